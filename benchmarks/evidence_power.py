@@ -2,16 +2,16 @@
 
 Errors of a model are drawn on a short record: white, coloured, heavy-tailed, or in bursts. A hundred
 candidates are tried as a trace tries them: each is fitted on every other horizon and judged by
-``hybridid.trace.evidence`` on the horizons between, all as one family, weighted by what each takes from the
-fitted horizons (Holm). Here a candidate is one signal with one amplitude, so that its fit is a division. It
-acts always, as a friction does, or now and then, as a limit does: in three stretches of a fifteenth of the
-record.
+``hybridid.trace.horizons.evidence`` on the horizons between, all as one family, weighted by what each takes
+from the fitted horizons (Holm). Here a candidate is one signal with one amplitude, so that its fit is a
+division. It acts always, as a friction does, or now and then, as a limit does: in three stretches of a
+fifteenth of the record.
 
 - Nothing missing: no candidate is in the errors. Counted are the records on which any passes.
 - One missing: the first candidate takes a share of the error. Counted are the records on which it passes.
 
-With the horizons as units, with the blocks of ``hybridid.trace.score``, and with these where both sides judge
-(``hybridid.trace.cross_fitting``).
+With the horizons as units, with the blocks of ``hybridid.trace.horizons.score``, and with these where both
+sides judge (``hybridid.trace.trials.cross_fitting``).
 
     python benchmarks/evidence_power.py [--draws 200] [--candidates 100] [--seed 0]
 """
@@ -29,11 +29,11 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from benchmarks.studies import OUT
-from hybridid.trace.cross_fitting import TESTS, joined
-from hybridid.trace.evidence import compare, holm
+from hybridid.trace.horizons.evidence import compare, holm
+from hybridid.trace.horizons.score import BLOCKS, Score, score_of
+from hybridid.trace.horizons.split import automatic_horizon
 from hybridid.trace.rules import Rules
-from hybridid.trace.score import BLOCKS, Score, score_of
-from hybridid.trace.split import automatic_horizon
+from hybridid.trace.trials.cross_fitting import TESTS, joined
 
 Array = NDArray[np.float64]
 Generator = np.random.Generator

@@ -10,8 +10,9 @@ from rich.text import Text
 
 from hybridid.naming import counted
 from hybridid.quantities import NONE, UNKNOWN, change, probability, quantity, r_squared, share
-from hybridid.trace.before_after import FITTED
-from hybridid.trace.remarks import (
+from hybridid.trace.results.before_after import FITTED
+from hybridid.trace.results.result import Trace
+from hybridid.trace.words.remarks import (
     completeness_in_words,
     idle_in_words,
     narrowed_in_words,
@@ -21,8 +22,7 @@ from hybridid.trace.remarks import (
     tried_in_words,
     unsure_in_words,
 )
-from hybridid.trace.result import Trace
-from hybridid.trace.words import VERDICTS
+from hybridid.trace.words.words import VERDICTS
 from hybridid_cli.tables import provenance, table, view
 from pipelines.shared.fitted import ESTIMATE, fit_of
 from pipelines.shared.traced import trace_of

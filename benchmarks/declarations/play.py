@@ -2,7 +2,7 @@
 
 ``ours`` composes no law. ``whole`` is the trace as an engineer gets it, with laws. Both try the whole library
 and pairs, and accept what the rules allow. What ends at zero is said of the last model, refitted to the whole
-record, as ``hybridid.trace.summary`` says it.
+record, as ``hybridid.trace.words.summary`` says it.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from hybridid.effects.library import EFFECTS
 from hybridid.estimators import Estimate, FitSettings
 from hybridid.simulation.chosen import as_integrator
 from hybridid.trace import run
-from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.context import Context
-from hybridid.trace.idle import idle_terms
-from hybridid.trace.revision import Replacement
+from hybridid.trace.results.before_after import Validation, before_and_after
+from hybridid.trace.results.idle import idle_terms
+from hybridid.trace.search.revision import Replacement
 from hybridid.trace.verdict import Conclusion, conclude
 
 NAME, WHOLE = "ours", "whole"

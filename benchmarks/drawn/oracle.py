@@ -33,10 +33,10 @@ from benchmarks.drawn.machines import case_of
 from benchmarks.league.machines import Declared
 from benchmarks.league.ours import DETECTABLE
 from hybridid.records.record import Record
-from hybridid.trace.declared_starts import regressed
-from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.score import Score
-from hybridid.trace.split import Split, by_record
+from hybridid.trace.horizons.score import Score
+from hybridid.trace.horizons.split import Split, by_record
+from hybridid.trace.refits.declared_starts import regressed
+from hybridid.trace.refits.refit import CONTINUATION, refit
 
 
 @dataclass(frozen=True)

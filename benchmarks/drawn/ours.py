@@ -17,7 +17,7 @@ from hybridid.effects.library import EFFECTS
 from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
-from hybridid.trace.steps import Accepted
+from hybridid.trace.search.steps import Accepted
 from hybridid.trace.verdict import Conclusion, conclude
 
 

@@ -19,14 +19,14 @@ from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
-from hybridid.trace.declared_starts import regressed
-from hybridid.trace.evidence import compare
-from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.refitted import Refit
+from hybridid.trace.horizons.evidence import compare
+from hybridid.trace.horizons.score import Score
+from hybridid.trace.horizons.split import Split, by_record
+from hybridid.trace.refits.declared_starts import regressed
+from hybridid.trace.refits.refit import CONTINUATION, refit
+from hybridid.trace.refits.refitted import Refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.score import Score
-from hybridid.trace.split import Split, by_record
-from hybridid.trace.trial import Trial
+from hybridid.trace.trials.trial import Trial
 from hybridid.trace.verdict import conclude
 
 DETECTABLE = 1e-3

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.measured.entry import Asked
-from hybridid.trace.before_after import HELD_OUT, ScoreRow
 from hybridid.trace.entries import AcceptedEffect
-from hybridid.trace.result import Trace
+from hybridid.trace.results.before_after import HELD_OUT, ScoreRow
+from hybridid.trace.results.result import Trace
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.traced import trace_of
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from benchmarks.speed.row import OURS, Row
 from hybridid.records.record import Record
 from hybridid.signals.steps import apply_steps
-from hybridid.trace.result import Trace
+from hybridid.trace.results.result import Trace
 from hybridid_cli.composing import settings_of
 from pipelines.shared.sources import sources_of
 from pipelines.trace.request import division, request_of

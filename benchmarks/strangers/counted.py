@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from hybridid.trace import refit as module
+from hybridid.trace.refits import refit as module
 
 
 def count(file: Path) -> None:

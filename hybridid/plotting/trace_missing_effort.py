@@ -17,7 +17,7 @@ from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 from hybridid.plotting.thinning import broken
 from hybridid.quantities import Z95
-from hybridid.trace.missing_effort import MissingEffort
+from hybridid.trace.ports.missing_effort import MissingEffort
 
 BINS = 30  # of equal width over the middle 99 % of each variable
 BLOCKS = 400  # blocks of the record; the bold line over time joins their means

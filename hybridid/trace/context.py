@@ -18,12 +18,12 @@ from hybridid.effects.over import Over, overs_for
 from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.horizons.noise import Noise
+from hybridid.trace.horizons.score import Score
+from hybridid.trace.horizons.split import Split
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
-from hybridid.trace.noise import Noise
-from hybridid.trace.refitted import Refit
+from hybridid.trace.refits.refitted import Refit
 from hybridid.trace.rules import PAIRS, Rules
-from hybridid.trace.score import Score
-from hybridid.trace.split import Split
 
 T = TypeVar("T")
 

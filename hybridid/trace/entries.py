@@ -8,7 +8,7 @@ from typing import Literal
 
 from hybridid.declarations import PortKind
 from hybridid.naming import as_entry
-from hybridid.trace.robustness import Survival
+from hybridid.trace.trials.robustness import Survival
 
 
 @dataclass(frozen=True)

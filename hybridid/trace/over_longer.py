@@ -2,10 +2,10 @@
 
 Over short horizons the fitted initial state hides what adds up slowly. Where the declared model meets the
 noise over them, and leaves more over longer ones, the search begins over the longer ones
-(``hybridid.trace.longer.over_long_enough``). Where nothing was found over the short ones, and longer ones
-leave more, it begins anew over these. So it does where what was accepted meets the noise over the short ones
-alone: a large effect shows over any horizon, and a slow one beside it over long ones alone. Then the second
-conclusion counts if it holds each name of the first, and more.
+(``hybridid.trace.search.longer.over_long_enough``). Where nothing was found over the short ones, and longer
+ones leave more, it begins anew over these. So it does where what was accepted meets the noise over the short
+ones alone: a large effect shows over any horizon, and a slow one beside it over long ones alone. Then the
+second conclusion counts if it holds each name of the first, and more.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from dataclasses import replace
 from hybridid.model import Model
 from hybridid.settings.choices import AskedIntegrator
 from hybridid.trace.context import Context
-from hybridid.trace.declared_starts import declared_starts
-from hybridid.trace.longer import (
+from hybridid.trace.refits.declared_starts import declared_starts
+from hybridid.trace.refits.numerics import numerics_for
+from hybridid.trace.search.longer import (
     MOSTLY_NOISE,
     Longer,
     lengthened,
@@ -26,8 +27,7 @@ from hybridid.trace.longer import (
     over_long_enough,
     worth_looking_for,
 )
-from hybridid.trace.numerics import numerics_for
-from hybridid.trace.steps import Accepted
+from hybridid.trace.search.steps import Accepted
 from hybridid.trace.verdict import Conclusion, conclude
 
 

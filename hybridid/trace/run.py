@@ -17,35 +17,35 @@ from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.settings.choices import AskedIntegrator
 from hybridid.simulation.chosen import AUTO, EXPLICIT, as_integrator
-from hybridid.trace.before_after import FittedModel, Validation, before_and_after
-from hybridid.trace.between_recordings import disagreeing, own_values_suffice
-from hybridid.trace.by_recording import by_recording, check_split
-from hybridid.trace.cautions import cautions, marked_as_shown
-from hybridid.trace.completeness import ceilings_of_each, with_networks
-from hybridid.trace.constants import WrongConstants, wrong_constants
+from hybridid.trace.cautions.cautions import cautions, marked_as_shown
+from hybridid.trace.cautions.constants import WrongConstants, wrong_constants
+from hybridid.trace.cautions.decay_class import with_decay_classes
+from hybridid.trace.cautions.doubted import in_doubt
 from hybridid.trace.context import Context
-from hybridid.trace.decay_class import with_decay_classes
-from hybridid.trace.declared_starts import declared_starts
-from hybridid.trace.doubted import in_doubt
 from hybridid.trace.entries import DifferingParameter
-from hybridid.trace.horizon import horizon_for
-from hybridid.trace.input_noise import NoiseLevel
+from hybridid.trace.horizons.horizon import horizon_for
+from hybridid.trace.horizons.split import check_measured, divided
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
-from hybridid.trace.missing_efforts import missing_efforts
-from hybridid.trace.numerics import numerics_for
+from hybridid.trace.noise_floor.input_noise import NoiseLevel
+from hybridid.trace.noise_floor.weighed import hidden_by_noise, weights_in_words, with_noise
 from hybridid.trace.over_longer import concluded
-from hybridid.trace.result import Evidence, Trace
+from hybridid.trace.recordings.between_recordings import disagreeing, own_values_suffice
+from hybridid.trace.recordings.by_recording import by_recording, check_split
+from hybridid.trace.refits.declared_starts import declared_starts
+from hybridid.trace.refits.numerics import numerics_for
+from hybridid.trace.results.before_after import FittedModel, Validation, before_and_after
+from hybridid.trace.results.completeness import ceilings_of_each, with_networks
+from hybridid.trace.results.missing_efforts import missing_efforts
+from hybridid.trace.results.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
-from hybridid.trace.sharper import narrowed
-from hybridid.trace.solve import declared_refit
-from hybridid.trace.split import check_measured, divided
-from hybridid.trace.steps import OUT_OF_TIME
-from hybridid.trace.summary import summary
-from hybridid.trace.told_classes import as_told
-from hybridid.trace.trial import PASSED
+from hybridid.trace.search.sharper import narrowed
+from hybridid.trace.search.steps import OUT_OF_TIME
+from hybridid.trace.starts.solve import declared_refit
+from hybridid.trace.trials.trial import PASSED
 from hybridid.trace.verdict import Conclusion
-from hybridid.trace.weighed import hidden_by_noise, weights_in_words, with_noise
-from hybridid.trace.words import sentence
+from hybridid.trace.words.summary import summary
+from hybridid.trace.words.told_classes import as_told
+from hybridid.trace.words.words import sentence
 
 NAMED = ("effect_found", "law_proposed")
 """Verdicts that recordings which differ leave in doubt."""

@@ -1,9 +1,9 @@
 """The verdict: the search, its classes looked at again, what only stands in for another effect withdrawn.
 
 ``nothing_missing`` is a claim, and needs evidence: the error that is left is near what the sensor's noise and
-the simulation leave (``hybridid.trace.accuracy``), and no refused gain could take a share of it worth having.
-Otherwise the verdict is ``unexplained`` or ``undecided``; the latter, too, where noise of the inputs may be
-all that is left (``hybridid.trace.input_noise``).
+the simulation leave (``hybridid.trace.noise_floor.accuracy``), and no refused gain could take a share of it
+worth having. Otherwise the verdict is ``unexplained`` or ``undecided``; the latter, too, where noise of the
+inputs may be all that is left (``hybridid.trace.noise_floor.input_noise``).
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from typing import Literal
 from hybridid.effects.composed import is_composed
 from hybridid.model import Model
 from hybridid.simulation.chosen import AUTO
-from hybridid.trace.accuracy import Accuracy
-from hybridid.trace.constancy import told_of_held_out
 from hybridid.trace.context import Context
-from hybridid.trace.declared_starts import declared_starts
-from hybridid.trace.input_noise import NoisyInputs, noisy_inputs
-from hybridid.trace.judgement import is_nothing
-from hybridid.trace.laws import law_in_place, with_law
-from hybridid.trace.longer import Longer, more_over_longer, shows_little, worth_looking_for
-from hybridid.trace.numerics import numerics_for
-from hybridid.trace.other_hold import better_hold
-from hybridid.trace.pairs import in_place, with_pair
-from hybridid.trace.refitted import Refit
-from hybridid.trace.revision import Replacement, replacements
+from hybridid.trace.doubts.other_hold import better_hold
+from hybridid.trace.doubts.settled import Ceilings, Settled, learned_beside, settle, settle_below_noise
+from hybridid.trace.doubts.steady_error import steady_over
+from hybridid.trace.laws.laws import law_in_place, with_law
+from hybridid.trace.noise_floor.accuracy import Accuracy
+from hybridid.trace.noise_floor.input_noise import NoisyInputs, noisy_inputs
+from hybridid.trace.refits.declared_starts import declared_starts
+from hybridid.trace.refits.numerics import numerics_for
+from hybridid.trace.refits.refitted import Refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import continued, search
-from hybridid.trace.settled import Ceilings, Settled, learned_beside, settle, settle_below_noise
-from hybridid.trace.steady_error import steady_over
-from hybridid.trace.steps import OUT_OF_TIME, RECORDINGS_DIFFER, Accepted, Search
+from hybridid.trace.search.longer import Longer, more_over_longer, shows_little, worth_looking_for
+from hybridid.trace.search.pairs import in_place, with_pair
+from hybridid.trace.search.revision import Replacement, replacements
+from hybridid.trace.search.search import continued, search
+from hybridid.trace.search.steps import OUT_OF_TIME, RECORDINGS_DIFFER, Accepted, Search
+from hybridid.trace.trials.constancy import told_of_held_out
+from hybridid.trace.trials.judgement import is_nothing
 
 Verdict = Literal["effect_found", "ambiguous", "law_proposed", "nothing_missing", "undecided", "unexplained"]
 

@@ -14,10 +14,10 @@ from hybridid.effects.library import EFFECTS
 from hybridid.estimators import Estimate
 from hybridid.model import Term
 from hybridid.simulation.chosen import EXPLICIT
-from hybridid.trace.doubted import REVISE
+from hybridid.trace.cautions.doubted import REVISE
+from hybridid.trace.cautions.horizon_advice import PARTS_OF_ALL
 from hybridid.trace.entries import Width
-from hybridid.trace.horizon_advice import PARTS_OF_ALL
-from hybridid.trace.input_noise import NoiseLevel
+from hybridid.trace.noise_floor.input_noise import NoiseLevel
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel

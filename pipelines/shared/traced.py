@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hybridid.trace.result import Trace
+from hybridid.trace.results.result import Trace
 from pipelines.shared.storage import read_as
 
 TRACE = "trace/trace.json"

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from hybridid.naming import counted, listed
 from hybridid.quantities import NONE, number, quantity
 from hybridid.trace.entries import AcceptedEffect
-from hybridid.trace.remarks import parameters_in_words
-from hybridid.trace.words import VERDICTS
+from hybridid.trace.words.remarks import parameters_in_words
+from hybridid.trace.words.words import VERDICTS
 from pipelines.shared.page import Page, Section, Table
 from pipelines.shared.side_by_side import results_folder
 from pipelines.shared.storage import json_text

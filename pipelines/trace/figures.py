@@ -16,9 +16,9 @@ from hybridid.plotting.trace_missing_effort import missing_effort_plot
 from hybridid.plotting.trace_trials import Tried, trials_plot
 from hybridid.plotting.trace_waterfall import Level, waterfall_plot
 from hybridid.records.record import Record
-from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.entries import StepTaken
-from hybridid.trace.result import Trace
+from hybridid.trace.learned.ceiling import Ceiling
+from hybridid.trace.results.result import Trace
 
 Named = Iterator[tuple[str, Callable[[], Plot]]]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from hybridid.effects.effect import Effect
 from hybridid.quantities import estimated
 from hybridid.trace.entries import AcceptedEffect
-from hybridid.trace.remarks import equation_in_words
-from hybridid.trace.result import Trace
+from hybridid.trace.results.result import Trace
+from hybridid.trace.words.remarks import equation_in_words
 from pipelines.shared.augmented import as_settings
 
 NAME = "proposed_law.py"

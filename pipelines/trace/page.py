@@ -16,9 +16,11 @@ from hybridid.quantities import (
     probability,
     share,
 )
-from hybridid.trace.before_after import AFTER, BEFORE
 from hybridid.trace.entries import AcceptedEffect, EstimatedValue, LearnedGain
-from hybridid.trace.remarks import (
+from hybridid.trace.results.before_after import AFTER, BEFORE
+from hybridid.trace.results.result import Trace
+from hybridid.trace.trials.robustness import Survival
+from hybridid.trace.words.remarks import (
     completeness_in_words,
     equation_in_words,
     finer_in_words,
@@ -30,10 +32,8 @@ from hybridid.trace.remarks import (
     structure_in_words,
     unsure_in_words,
 )
-from hybridid.trace.replacement_words import gained
-from hybridid.trace.result import Trace
-from hybridid.trace.robustness import Survival
-from hybridid.trace.words import VERDICTS, error_left
+from hybridid.trace.words.replacement_words import gained
+from hybridid.trace.words.words import VERDICTS, error_left
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.rules_table import rules_table

@@ -10,8 +10,8 @@ from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
 from hybridid.effects.variable import Variable
 from hybridid.naming import listed
+from hybridid.trace.horizons.split import automatic_horizon
 from hybridid.trace.rules import PAIRS, Rules
-from hybridid.trace.split import automatic_horizon
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import named

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hybridid.naming import counted, listed
 from hybridid.quantities import percent
-from hybridid.trace.cross_fitting import FEW
-from hybridid.trace.remarks import learned
+from hybridid.trace.trials.cross_fitting import FEW
+from hybridid.trace.words.remarks import learned
 from pipelines.shared.page import Table
 from pipelines.shared.traced import TraceFile
 

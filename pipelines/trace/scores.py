@@ -9,8 +9,8 @@ import numpy as np
 
 from hybridid.naming import listed
 from hybridid.quantities import change, mean_square, quantity, r_squared
-from hybridid.trace.before_after import ScoreRow
-from hybridid.trace.result import Trace
+from hybridid.trace.results.before_after import ScoreRow
+from hybridid.trace.results.result import Trace
 from pipelines.shared.page import Table
 
 _NETWORK = (

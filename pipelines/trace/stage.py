@@ -20,11 +20,11 @@ from hybridid.records.store import load_record
 from hybridid.simulation.chosen import EXPLICIT
 from hybridid.simulation.stability import MOST
 from hybridid.trace.candidates import admissible
-from hybridid.trace.horizon import horizon_for
+from hybridid.trace.horizons.horizon import horizon_for
+from hybridid.trace.horizons.split import automatic_horizon, divided
 from hybridid.trace.mapper import Report, unheard
-from hybridid.trace.missing_efforts import Missing
-from hybridid.trace.result import Trace
-from hybridid.trace.split import automatic_horizon, divided
+from hybridid.trace.results.missing_efforts import Missing
+from hybridid.trace.results.result import Trace
 from hybridid.validation.drift import growth
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, by_recording, commands, further_traces

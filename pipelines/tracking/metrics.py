@@ -7,7 +7,7 @@ from math import isfinite
 from pathlib import Path
 
 from hybridid.hybrid.report import RBFReport
-from hybridid.trace.result import Trace
+from hybridid.trace.results.result import Trace
 from hybridid.validation import Metrics
 from pipelines.shared.fitted import ESTIMATE, fit_of
 from pipelines.shared.hybrids import Residual, residual_of

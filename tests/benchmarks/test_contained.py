@@ -14,11 +14,11 @@ from benchmarks.drawn.machines import case_of
 from benchmarks.drawn.oracle import split_of
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.contained import begun_from_contained, contains, is_the_contained_one
 from hybridid.trace.context import Context
-from hybridid.trace.refit import refit
+from hybridid.trace.refits.refit import refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.trial import Trial, attempt
+from hybridid.trace.trials.contained import begun_from_contained, contains, is_the_contained_one
+from hybridid.trace.trials.trial import Trial, attempt
 
 DRAW = draw_of(10_000_064)
 EFFECT_NAMES = ("backlash", "flexible_mode", "linear_stiffness")
@@ -31,7 +31,7 @@ def trials():
     base = refit(case_of(DRAW).model(), context.split)
     candidates = [Candidate(effect_named(name), "carriage") for name in EFFECT_NAMES]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hybridid.trace.sought.GRIDS", ("period", "place"))
+        patch.setattr("hybridid.trace.starts.sought.GRIDS", ("period", "place"))
         play = attempt(candidates[0], base, context.split)
     others = [attempt(candidate, base, context.split) for candidate in candidates[1:]]
     return context, base, [play, *others]

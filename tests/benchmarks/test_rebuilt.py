@@ -25,8 +25,8 @@ from benchmarks.rebuilt.scoring import Round, asked, truths_of
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.simulation.stability import MOST, substeps_wanted
 from hybridid.trace.context import Context
-from hybridid.trace.declared_starts import regressed
-from hybridid.trace.refit import CONTINUATION, refit
+from hybridid.trace.refits.declared_starts import regressed
+from hybridid.trace.refits.refit import CONTINUATION, refit
 from hybridid.trace.verdict import conclude
 
 DRAWS = all_draws()

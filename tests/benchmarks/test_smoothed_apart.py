@@ -14,17 +14,17 @@ from benchmarks.drawn.draw import draw_of
 from benchmarks.drawn.machines import case_of
 from benchmarks.drawn.oracle import split_of
 from hybridid.effects.library import effect_named
-from hybridid.trace.alike import tells_apart
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
-from hybridid.trace.evidence import compare
-from hybridid.trace.exchange import still_alike
-from hybridid.trace.judgement import judge
-from hybridid.trace.refit import refit
+from hybridid.trace.horizons.evidence import compare
+from hybridid.trace.refits.refit import refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import decided
-from hybridid.trace.smoothed_apart import _alike_there, _narrower
-from hybridid.trace.trial import attempt
+from hybridid.trace.search.search import decided
+from hybridid.trace.trials.alike import tells_apart
+from hybridid.trace.trials.exchange import still_alike
+from hybridid.trace.trials.judgement import judge
+from hybridid.trace.trials.smoothed_apart import _alike_there, _narrower
+from hybridid.trace.trials.trial import attempt
 
 SCENARIO = 10_000_073
 TRIED = tuple(map(effect_named, ("bouc_wen", "dahl", "maxwell")))

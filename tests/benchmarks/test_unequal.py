@@ -18,12 +18,12 @@ from benchmarks.drawn.oracle import split_of
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
-from hybridid.trace.judgement import judge
-from hybridid.trace.refit import refit
+from hybridid.trace.refits.refit import refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import decided
-from hybridid.trace.trial import attempt
-from hybridid.trace.unequal import each_with_its_own
+from hybridid.trace.search.search import decided
+from hybridid.trace.search.unequal import each_with_its_own
+from hybridid.trace.trials.judgement import judge
+from hybridid.trace.trials.trial import attempt
 
 DRAW = draw_of(10_000_096)
 FRONT, REAR = "front_suspension", "rear_suspension"

@@ -86,9 +86,9 @@ def within(module: str, package: str) -> bool:
     return module == package or module.startswith(f"{package}.")
 
 
-def room(module: str) -> str:
-    """``hybridid.plants.emps`` -> ``plants``."""
-    return [*module.split("."), ""][1]
+def room(module: str, package: str) -> str:
+    """``plants`` for ``hybridid.plants.emps`` in ``hybridid``; empty for the package itself."""
+    return module.removeprefix(package).lstrip(".").partition(".")[0]
 
 
 def owner(graph: Graph, name: str) -> str:
@@ -134,14 +134,15 @@ def _layer_rules(graph: Graph, layers: Layers) -> Iterator[str]:
     for package in layers:
         rank = {name: k for k, layer in enumerate(layers[package]) for name in layer}
         for module in graph:
-            if not within(module, package) or not room(module):
+            own = room(module, package) if within(module, package) else ""
+            if not own:
                 continue
-            if room(module) not in rank:
-                yield f"{module}: {ROOMS_FILE} does not name the room {room(module)!r} of {package}"
+            if own not in rank:
+                yield f"{module}: {ROOMS_FILE} does not name the room {own!r} of {package}"
                 continue
-            others = {room(name) for name in graph[module] if within(name, package)} & rank.keys()
-            for other in others - {room(module)}:
-                if rank[other] >= rank[room(module)]:
+            others = {room(name, package) for name in graph[module] if within(name, package)} & rank.keys()
+            for other in others - {own}:
+                if rank[other] >= rank[own]:
                     yield f"{module} imports {package}.{other}"
 
 

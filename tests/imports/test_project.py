@@ -31,7 +31,7 @@ def test_imports_run_one_way(rules):
 def test_every_room_has_one_place(rules):
     """Each room that ``CONTRIBUTING.md`` names is there and named once."""
     layers = rules.layers()
-    assert layers.keys() == {"hybridid", "pipelines"}
+    assert layers.keys() == {"hybridid", "hybridid.trace", "pipelines"}
     assert rules.misnamed(rules.import_graph(rules.ROOT), layers) == []
 
 

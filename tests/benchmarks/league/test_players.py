@@ -8,7 +8,7 @@ from benchmarks.league import ours, play, rivals
 from benchmarks.league.machines import CASES, records_of
 from benchmarks.league.scenarios import all_scenarios
 from hybridid.effects.over import RECENT, Over
-from hybridid.trace.ceiling import ceiling
+from hybridid.trace.learned.ceiling import ceiling
 
 ALL = {s.key: s for s in all_scenarios()}
 EFFORTS = [

@@ -13,9 +13,9 @@ from hybridid.records.channel import RecordError
 from hybridid.records.sensor_noise import noise_level
 from hybridid.residuals.series import error_series
 from hybridid.simulation.windows import cut
-from hybridid.trace.evidence import compare
-from hybridid.trace.refit import refit
-from hybridid.trace.split import by_blocks, check_measured
+from hybridid.trace.horizons.evidence import compare
+from hybridid.trace.horizons.split import by_blocks, check_measured
+from hybridid.trace.refits.refit import refit
 from hybridid.validation import free_run, horizon_run, metrics, residual_tests
 
 N, TRUTH = 1200, {"M": 2.0, "d": 3.0}

@@ -16,8 +16,8 @@ from hybridid.residuals.series import error_series
 from hybridid.signals.masks import Mask
 from hybridid.simulation.stability import substeps_wanted
 from hybridid.simulation.windows import cut
-from hybridid.trace.missing_effort import missing_effort
-from hybridid.trace.split import by_blocks
+from hybridid.trace.horizons.split import by_blocks
+from hybridid.trace.ports.missing_effort import missing_effort
 from hybridid.validation import free_run, horizon_run, metrics, residual_tests
 
 DEAD = ((0.8, 1.1), (1.9, 2.0))

@@ -15,9 +15,9 @@ from hybridid.records.record import Channel, Record
 from hybridid.simulation.simulate import simulate
 from hybridid.trace.context import Context
 from hybridid.trace.entries import Floor, Level, TriedEffect
-from hybridid.trace.result import Estimates, LearnedGains, Trace
+from hybridid.trace.horizons.split import Split, by_record
+from hybridid.trace.results.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
-from hybridid.trace.split import Split, by_record
 from hybridid.trace.verdict import Conclusion, conclude
 
 Array = NDArray[np.float64]

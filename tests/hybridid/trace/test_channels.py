@@ -20,9 +20,9 @@ from hybridid.plants.esea import ESEA
 from hybridid.plants.servo import Servo
 from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
-from hybridid.trace.path import Path, is_load
-from hybridid.trace.refit import refit
-from hybridid.trace.split import by_record
+from hybridid.trace.horizons.split import by_record
+from hybridid.trace.ports.path import Path, is_load
+from hybridid.trace.refits.refit import refit
 from hybridid.trace.verdict import conclude
 
 TEMPERATURE = Signal("temperature", "°C")

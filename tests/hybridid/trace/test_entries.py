@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from hybridid.trace.entries import AcceptedEffect, StepTaken, TriedEffect, Value
-from hybridid.trace.remarks import equation_in_words, richer_laws, told_apart
 from hybridid.trace.rules import Rules
-from hybridid.trace.words import sentence
+from hybridid.trace.words.remarks import equation_in_words, richer_laws, told_apart
+from hybridid.trace.words.words import sentence
 
 
 def member(effect: str, port: str) -> TriedEffect:

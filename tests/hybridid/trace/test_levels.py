@@ -12,11 +12,11 @@ from hybridid.model import compose
 from hybridid.plotting.trace_ceiling import LearnedCurve, ceiling_plot
 from hybridid.plotting.trace_missing_effort import missing_effort_plot
 from hybridid.trace.context import Context
-from hybridid.trace.learned_effort import learned_effort
-from hybridid.trace.missing_effort import missing_effort
-from hybridid.trace.split import by_record
-from hybridid.trace.summary import learned_gains
+from hybridid.trace.horizons.split import by_record
+from hybridid.trace.learned.learned_effort import learned_effort
+from hybridid.trace.ports.missing_effort import missing_effort
 from hybridid.trace.verdict import conclude
+from hybridid.trace.words.summary import learned_gains
 
 WEIR, EDGE, DEPTH, OUTLET = 0.04, 0.4, 0.3, 6e-4
 TRIED = tuple(map(effect_named, ("overflow", "linear_leak", "viscous", "end_stop")))

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import pytest
 
 from hybridid.trace import over_longer
-from hybridid.trace.longer import Longer
 from hybridid.trace.over_longer import concluded
 from hybridid.trace.rules import Rules
+from hybridid.trace.search.longer import Longer
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
-from hybridid.trace.search import search
+from hybridid.trace.search.search import search
 
 STIFFNESS, CENTRE = 400.0, 0.15
 TRIED = tuple(map(effect_named, ("linear_stiffness", "preloaded_spring", "offset", "cubic_stiffness")))

@@ -15,8 +15,8 @@ from hybridid.model import compose
 from hybridid.plants.duffing import Duffing
 from hybridid.records.record import Channel, Record
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.cautions.sampling import outputs_late, recorded_late
 from hybridid.trace.run import trace
-from hybridid.trace.sampling import outputs_late, recorded_late
 
 MASS, DAMPING, STIFFNESS, LAG = 5e-6, 4e-4, 1.0, 1.5e-3
 DT, SAMPLES, NOISE = 2.5e-4, 3000, 2e-5

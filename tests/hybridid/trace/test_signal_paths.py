@@ -16,11 +16,11 @@ from hybridid.records.record import Channel, Record
 from hybridid.simulation import simulate
 from hybridid.simulation.initial import measured_states
 from hybridid.trace.candidates import Candidate, admissible
-from hybridid.trace.numerics import DECLARED
-from hybridid.trace.refit import refit
+from hybridid.trace.horizons.split import by_record
+from hybridid.trace.refits.numerics import DECLARED
+from hybridid.trace.refits.refit import refit
 from hybridid.trace.run import trace
-from hybridid.trace.split import by_record
-from hybridid.trace.trial import _with_form_fitted, attempt
+from hybridid.trace.trials.trial import _with_form_fitted, attempt
 
 DT, LATE, TAU = 0.08, 3, 0.5  # s, samples, s
 AT_REST = 5.0  # V before the record

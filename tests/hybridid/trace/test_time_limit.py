@@ -10,11 +10,12 @@ from types import SimpleNamespace
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.trace import search, tried
 from hybridid.trace.context import Context
 from hybridid.trace.run import trace
-from hybridid.trace.steps import OUT_OF_TIME
-from hybridid.trace.trial import PASSED
+from hybridid.trace.search import search
+from hybridid.trace.search.steps import OUT_OF_TIME
+from hybridid.trace.trials import tried
+from hybridid.trace.trials.trial import PASSED
 from hybridid.trace.verdict import conclude
 
 DF_V = 75.0

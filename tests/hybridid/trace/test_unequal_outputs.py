@@ -13,13 +13,13 @@ from hybridid.model import compose
 from hybridid.plants.emps import EMPS
 from hybridid.records.channel import Channel
 from hybridid.trace.context import Context
-from hybridid.trace.evidence import compare
-from hybridid.trace.refit import refit
+from hybridid.trace.horizons.evidence import compare
+from hybridid.trace.horizons.split import by_blocks
+from hybridid.trace.noise_floor.weighed import hidden_by_noise
+from hybridid.trace.refits.refit import refit
 from hybridid.trace.run import trace
-from hybridid.trace.split import by_blocks
-from hybridid.trace.steps import NO_ROOM
-from hybridid.trace.stops import nothing_to_seek
-from hybridid.trace.weighed import hidden_by_noise
+from hybridid.trace.search.steps import NO_ROOM
+from hybridid.trace.search.stops import nothing_to_seek
 
 NOISE = np.array([2e-5, 1e-2])
 """An encoder and a laser, both of the carriage's position, in m."""

@@ -10,11 +10,11 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.records.record import Channel, Record
 from hybridid.simulation import simulate
-from hybridid.trace import trial
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.split import by_record
-from hybridid.trace.trial import attempt
+from hybridid.trace.horizons.split import by_record
+from hybridid.trace.refits.refit import CONTINUATION, refit
+from hybridid.trace.trials import trial
+from hybridid.trace.trials.trial import attempt
 
 N, DT, LONG = 1200, 0.005, 200  # samples, s, samples of a horizon
 CATCH = Candidate(effect_named("detent"), "carriage")

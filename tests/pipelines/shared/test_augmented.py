@@ -5,7 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from hybridid.trace.entries import Width
-from hybridid.trace.input_noise import NoiseLevel
+from hybridid.trace.noise_floor.input_noise import NoiseLevel
 from pipelines.shared.augmented import augmented, by_recording, commands, further_traces
 from pipelines.shared.modelling import model_of
 

@@ -9,8 +9,6 @@ from typing import Any
 
 import pytest
 
-from hybridid.trace.before_after import ScoreRow
-from hybridid.trace.completeness import Completeness
 from hybridid.trace.entries import (
     AcceptedEffect,
     EstimatedValue,
@@ -22,9 +20,11 @@ from hybridid.trace.entries import (
     UsedRecord,
     Value,
 )
-from hybridid.trace.result import Estimates, LearnedGains, Trace
-from hybridid.trace.robustness import Survival
+from hybridid.trace.results.before_after import ScoreRow
+from hybridid.trace.results.completeness import Completeness
+from hybridid.trace.results.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
+from hybridid.trace.trials.robustness import Survival
 from pipelines.shared.traced import TraceFile
 
 NAN = math.nan

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import pytest
 
 from hybridid.effects.library import EFFECTS
+from hybridid.trace.horizons.split import ENOUGH
 from hybridid.trace.rules import Rules
-from hybridid.trace.split import ENOUGH
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.trace.request import Request, fitting_horizon, imported_effects, request_of

@@ -1,0 +1,1 @@
+"""What speaks against taking a verdict at its word."""

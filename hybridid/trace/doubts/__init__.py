@@ -1,0 +1,1 @@
+"""What withdraws an accepted effect, or its name."""

@@ -1,0 +1,1 @@
+"""Laws that no effect of the library has."""

@@ -1,0 +1,1 @@
+"""Learned efforts: what any function of a variable could explain."""

@@ -1,0 +1,1 @@
+"""``Trace``: what a trace found, as plain typed data."""

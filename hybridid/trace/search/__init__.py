@@ -1,0 +1,1 @@
+"""The stepwise search: which effects are accepted, and when it ends."""

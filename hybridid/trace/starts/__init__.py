@@ -1,0 +1,1 @@
+"""Where a refit begins, so that it does not end in a wrong valley."""

@@ -1,0 +1,1 @@
+"""Candidates and pairs of them, each refitted and judged."""
