@@ -98,8 +98,6 @@ def cautions(
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         advised = determining_parts_advised if traced.vague else parts_of_all_advised
         told += [_only_fitted(found, context), advised(context.split)]
-    if found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer):
-        told += [far_in_free_run(traced, drift)]
     if found.verdict == "nothing_missing":
         told += [_hidden_by_the_simulation(traced, found.model)]
     if found.verdict == "nothing_missing" or found.accepted:
@@ -120,20 +118,25 @@ def cautions(
         told += [in_their_place(found.search), depends_on_the_member(found.accepted, traced)]
     told += [_beware(unequal_outputs(records))]
     told += [weights_in_words(traced.weights)]
-    told += [found.other_hold, _in_free_run(found.search, traced, drift, context)]
+    still_open = found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer)
+    told += [found.other_hold, _in_free_run(found.search, traced, drift, context, still_open)]
     return tuple(caution for one in told if one for caution in _EACH.split(one.strip()))
 
 
-def _in_free_run(search: Search, traced: Trace, drift: Sequence[str], context: Context) -> str:
+def _in_free_run(
+    search: Search, traced: Trace, drift: Sequence[str], context: Context, still_open: bool
+) -> str:
     """That the free runs become worse, or stay far from the noise, or say nothing since the machine is
-    unstable. Where only what was accepted makes it so, that is no excuse."""
+    unstable. Where only what was accepted makes it so, that is no excuse. Where it is ``still_open`` whether
+    something is missing, longer horizons are advised."""
     first, last = (
         growth(one.model, one.model.values(one.values), context.split.records)
         for one in (search.first, search.final)
     )
     if first > 0 and last > 0:
         return unstable(traced, last)
-    return worse_in_free_run(traced) or adds_up_in_free_run(traced, drift)
+    further = far_in_free_run(traced, drift) if still_open else ""
+    return worse_in_free_run(traced) or further or adds_up_in_free_run(traced, drift)
 
 
 def _only_fitted(found: Conclusion, context: Context) -> str:

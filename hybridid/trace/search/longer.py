@@ -26,13 +26,15 @@ from hybridid.model import Model
 from hybridid.simulation.windows import cut
 from hybridid.trace.context import Context
 from hybridid.trace.horizons.split import FEW, FEWEST, Split
+from hybridid.trace.mapper import unheard
 from hybridid.trace.noise_floor.accuracy import Accuracy
 from hybridid.trace.noise_floor.input_noise import noisy_inputs
 from hybridid.trace.refits.numerics import Numerics
 from hybridid.trace.refits.refit import refit_if_possible
 from hybridid.trace.refits.refitted import Refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search.sharper import free_widths
+from hybridid.trace.search.finer_steps import in_short_steps
+from hybridid.trace.search.sharper import free_widths, sharp_enough
 from hybridid.trace.starts.solve import declared_refit
 from hybridid.validation.drift import growth
 
@@ -155,12 +157,18 @@ def over_long_enough(
 ) -> Context:
     """``context`` with longer horizons if what ``model`` leaves over its own is mostly noise, and over these
     is so far above the noise that a complete model could take what is worth having: a search over the short
-    ones would see little of what is missing."""
+    ones would see little of what is missing.
+
+    What the simulation leaves grows over them as well, so its error is made small first, as it is before a
+    search. A crank that creeps over its top where the real one passes is on the other side from then on.
+    """
     base = declared_refit(model, context, starts, numerics)
     if Accuracy.of(base, context).times(base.score.rmse) > MOSTLY_NOISE:
         return context
-    longer = more_over_longer(base, context, worth_looking_for(context.rules))
-    if longer is None or not longer.judged or made_by_noise(longer, base, context):
+    unsaid = replace(context, say=unheard)
+    exact = sharp_enough(in_short_steps(base, unsaid), unsaid, declared=True)
+    longer = more_over_longer(exact, context, worth_looking_for(context.rules))
+    if longer is None or not longer.judged or made_by_noise(longer, exact, context):
         return context
     return lengthened(context, longer)
 

@@ -104,6 +104,21 @@ def test_what_only_an_accepted_effect_makes_unstable_is_no_excuse(monkeypatch, b
         accepted=("viscous",), before=(row(0.002),), after=(row(3.0, r2=-170.0),), rules=Rules()
     )
     context = SimpleNamespace(split=SimpleNamespace(records=()))
-    said = _in_free_run(SimpleNamespace(first=first, final=final), traced, (), context)
+    said = _in_free_run(SimpleNamespace(first=first, final=final), traced, (), context, still_open=False)
     assert ("its free runs say nothing" in said) is excused
     assert ("the error of position grows from 2 mm to 3 m" in said) is not excused
+
+
+@pytest.mark.parametrize(("rate", "advised"), [(0.0, True), (7.1, False)])
+def test_longer_horizons_are_not_advised_by_a_free_run_that_says_nothing(monkeypatch, rate, advised):
+    """A crank that passes its top in one run and falls back in the other has lost nothing over horizons."""
+    monkeypatch.setattr("hybridid.trace.cautions.cautions.growth", lambda *_: rate)
+    model = SimpleNamespace(model=SimpleNamespace(values=dict), values={})
+    floor = {"position": Floor(0.001, "m", 0.0, 5.0)}
+    rows = {"accepted": (), "before": (), "after": (row(3.0, r2=-6.0),)}
+    traced = SimpleNamespace(**rows, noise_floor=floor, times=1.0, rules=Rules())
+    context = SimpleNamespace(split=SimpleNamespace(records=()))
+    search = SimpleNamespace(first=model, final=model)
+    said = _in_free_run(search, traced, (), context, still_open=True)
+    assert ("Longer horizons (trace.horizon) may show" in said) is advised
+    assert ("its free runs say nothing" in said) is not advised

@@ -10,9 +10,19 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.horizons.split import by_blocks, by_record
+from hybridid.trace.refits.declared_starts import declared_starts
+from hybridid.trace.refits.numerics import numerics_for
 from hybridid.trace.refits.refit import CONTINUATION, refit, refit_if_possible
 from hybridid.trace.run import trace
-from hybridid.trace.search.longer import _begun_as, _bounded, more_over_longer, shows_little
+from hybridid.trace.search.longer import (
+    _begun_as,
+    _bounded,
+    more_over_longer,
+    over_long_enough,
+    shows_little,
+    worth_looking_for,
+)
+from hybridid.trace.starts.solve import declared_refit
 from hybridid.trace.verdict import conclude
 
 EPSILON = 3e-3  # m/s, with which the records are simulated
@@ -145,3 +155,15 @@ def test_an_automatic_horizon_goes_on_to_longer_ones(make_model, two_records):
     assert stays.horizon == pytest.approx(SHORT * first.dt)
     assert found.horizon == pytest.approx(stays.longer.seconds)
     assert any(line.endswith("the search goes on over these") for line in said)
+
+
+def test_what_a_wide_smoothing_adds_up_to_over_longer_ones_lengthens_nothing(make_model, two_records):
+    """The model is complete. Smoothed too widely it leaves more over longer horizons; as sharply as the
+    records show it, it leaves the noise there too."""
+    split = by_record(*([one] for one in two_records()), LONGER)
+    model, context = make_model(adjust={"carriage.epsilon": {"guess": 0.05}}), Context(split, TRIED)
+    starts = declared_starts(model, split, ())
+    numerics = numerics_for(model, split, starts, "auto")
+    wide = declared_refit(model, context, starts, numerics)
+    assert more_over_longer(wide, context, worth_looking_for(context.rules)) is not None
+    assert over_long_enough(model, context, starts, numerics) is context
