@@ -4,7 +4,8 @@ A law that no effect of the library has is composed of one of them, times an amp
 (``hybridid.effects.composed``). Sources: Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), Automatica 30(7)
 (friction); Nayfeh, Mook (1979), Nonlinear Oscillations, ch. 2 and 4 (springs); Merritt (1967), Hydraulic
 Control Systems, ch. 3 (orifices); Johnson (1985), Contact Mechanics, ch. 4, and Palmgren (1959), Ball and
-Roller Bearing Engineering (powers: 3/2 of the depth of a contact, 2/3 of the speed of a bearing); Wouterse
+Roller Bearing Engineering (powers: 3/2 of the depth of a contact, 2/3 of the speed of a bearing); Hunt,
+Crossley (1975), J. Applied Mechanics 42(2) (damping that grows with a power of the depth); Wouterse
 (1991), IEE Proc. B 138(4) (eddy-current brake); Isermann (2005), Mechatronic Systems, ch. 6 (limits,
 backlash, saturation); Fung (1993), Biomechanics, ch. 7 (a stiffness that grows with the force); Tustin
 (1947), J. IEE 94(2A), 143-151 (friction that falls with exp(-|v|/s));
@@ -30,24 +31,32 @@ from hybridid.effects.variable import Variable
 Array = NDArray[np.float64]
 Role = Literal["place", "width", "period", "share", "exponent", "reference"]
 SMOOTH = 1e-3
-"""Of its reference: within so much of zero a power is smoothed, where one below 1 would have no slope."""
+"""Of its reference: within so much of zero a power is rounded where its port declares no width."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """The variable x of a shape, its modulus ``size`` and its ``sign``, smoothed where the port says how."""
+    """The variable x of a shape, its modulus ``size`` and its ``sign``, smoothed over the ``width`` that the
+    port declares, where it declares one."""
 
     x: ca.SX
     size: ca.SX
     sign: ca.SX
+    width: ca.SX | float | None = None
+
+    def rounded(self, reference: ca.SX) -> ca.SX:
+        """``|x|/reference``, never zero: a power below 1 has no slope there. It is rounded over the width of
+        the port, as sign(v) is, else over ``SMOOTH``."""
+        least = SMOOTH if self.width is None else self.width / reference
+        return ca.sqrt((self.x / reference) ** 2 + least**2)
 
 
 def seen_at(over: Over, at: Local, x: ca.SX) -> Seen:
     """``x``, the variable of ``over`` at a port, as a shape sees it."""
     if over.variable == "velocity":
-        return Seen(x, at.speed, at.sign)
+        return Seen(x, at.speed, at.sign, at.epsilon)
     if over.variable == "load":
-        return Seen(x, magnitude(x, at.load_width), ca.tanh(x / at.load_width))
+        return Seen(x, magnitude(x, at.load_width), ca.tanh(x / at.load_width), at.load_width)
     return Seen(x, ca.fabs(x), ca.sign(x))
 
 
@@ -90,7 +99,13 @@ class Shape:
         return shape_named, (self.name,)
 
 
-CONTACTS = ("above", "below", "beyond_gap")
+def _power_beyond(depth: ca.SX, exponent: ca.SX) -> ca.SX:
+    """``depth`` to the power of ``exponent``, zero where it is negative."""
+    pressed = ca.fmax(depth, 0)
+    return pressed * (pressed**2 + SMOOTH**2) ** ((exponent - 1) / 2)
+
+
+CONTACTS = ("above", "below", "power_above", "power_below", "beyond_gap")
 """Shapes that are zero up to a place, and rise from there: the force of a contact, over the position."""
 PLACES: tuple[Variable, ...] = ("position", "level")
 SPEEDS: tuple[Variable, ...] = ("velocity", RECENT)
@@ -117,12 +132,12 @@ SHAPES = (
     ),
     Shape(
         "power", "k ({x}/s) |{x}/s|^(n - 1)", 0, {"n": "exponent", "s": "reference"},
-        lambda at, p: p.k * (at.x / p.s) * ((at.x / p.s) ** 2 + SMOOTH**2) ** ((p.n - 1) / 2),
+        lambda at, p: p.k * (at.x / p.s) * at.rounded(p.s) ** (p.n - 1),
         ("velocity", *PLACES, *EFFORTS),
     ),
     Shape(
         "even_power", "k |{x}/s|^n", 0, {"n": "exponent", "s": "reference"},
-        lambda at, p: p.k * ((at.x / p.s) ** 2 + SMOOTH**2) ** (p.n / 2), ("velocity", *PLACES, *EFFORTS),
+        lambda at, p: p.k * at.rounded(p.s) ** p.n, ("velocity", *PLACES, *EFFORTS),
     ),
     Shape(
         "shifted", "k ({x} - c)", 1, {"c": "place"}, lambda at, p: p.k * (at.x - p.c),
@@ -142,6 +157,14 @@ SHAPES = (
     Shape(
         "below", "k min({x} - c, 0)", 1, {"c": "place"}, lambda at, p: p.k * ca.fmin(at.x - p.c, 0),
         ("velocity", *PLACES, "time", *EFFORTS),
+    ),
+    Shape(
+        "power_above", "k max(({x} - c)/s, 0)^n", 0, {"c": "place", "n": "exponent", "s": "reference"},
+        lambda at, p: p.k * _power_beyond((at.x - p.c) / p.s, p.n), PLACES,
+    ),
+    Shape(
+        "power_below", "k max((c - {x})/s, 0)^n", 0, {"c": "place", "n": "exponent", "s": "reference"},
+        lambda at, p: p.k * _power_beyond((p.c - at.x) / p.s, p.n), PLACES,
     ),
     Shape(
         "beyond_gap", "k ({x} - clip({x}, -s, s))", 1, {"s": "width"},

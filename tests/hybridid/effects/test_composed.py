@@ -84,6 +84,10 @@ def test_a_law_over_an_input_is_one_of_an_effort_unless_told_otherwise():
         ("below_of_position", {"k": 2.0, "c": 0.5}, -0.4),
         ("beyond_gap_of_position", {"k": 2.0, "s": 0.1}, 0.4),
         ("beyond_gap_of_position", {"k": 2.0, "s": 0.4}, 0.0),
+        ("square_beyond_gap_of_velocity", {"k": 2.0, "s": 0.1}, 0.06),
+        ("power_above_of_position", {"k": 2.0, "c": 0.1, "n": 3.0, "s": 0.1}, 16.0),
+        ("power_above_of_position", {"k": 2.0, "c": 0.4, "n": 3.0, "s": 0.1}, 0.0),
+        ("power_below_of_position_times_velocity", {"k": 2.0, "c": 0.5, "n": 2.0, "s": 0.1}, 1.6),
         ("power_of_position", {"k": 2.0, "n": 3.0, "s": 0.1}, 54.0),
         ("power_of_velocity", {"k": 2.0, "n": 0.5, "s": 0.05}, 4.0),
         ("even_power_of_position", {"k": 2.0, "n": 2.0, "s": 0.1}, 18.0),
@@ -112,6 +116,15 @@ def test_every_shape_has_an_equation_of_its_own_and_is_used_somewhere():
     assert all(shape.suits for shape in SHAPES)
     assert {effect.id for effect in EVERY} >= set(FORMS)
     assert set(FORMS.values()) <= {effect.id for effect in EFFECTS}
+
+
+@pytest.mark.parametrize("name", ["power_of_velocity", "even_power_of_velocity"])
+def test_a_power_of_the_velocity_is_rounded_as_narrowly_as_its_sign(bench, name):
+    """A narrower epsilon makes it exact: what the rounding hides near zero would pass for dry friction."""
+    effect, truth = bench(effect_named(name), k=2.0, n=0.45, s=20.0), 2.0 * (2e-3 / 20.0) ** 0.45
+    wide, narrow = (effect.law(velocity=2e-3, epsilon=epsilon) for epsilon in (2e-2, 1e-4))
+    assert narrow == pytest.approx(truth, rel=1e-3)
+    assert abs(wide / truth - 1) > 0.2
 
 
 def test_units_follow_from_the_port(make_model):

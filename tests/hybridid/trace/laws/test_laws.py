@@ -142,7 +142,7 @@ def test_in_the_place_of_names_that_do_better_than_any_learned_effort_finer_laws
     lawful = law_in_place(found, [blind], context)
     assert [one.name for one in lawful.accepted] == ["carriage.above_of_position"]
     tried = {t.candidate.effect.law.name for t in lawful.steps[-1].trials}
-    assert tried == {"above", "below", "beyond_gap", "sine"}
+    assert tried == {"above", "below", "power_above", "power_below", "beyond_gap", "sine"}
 
 
 @pytest.fixture(scope="module")
