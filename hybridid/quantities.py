@@ -26,6 +26,7 @@ _TINY = 1e-300  # below it a factor to 1 is no floating-point number
 _TINY_REST = 1e-8  # what is left of all, below it 100 %
 _SMALLEST_P = 1e-15  # below it the tests' normal theory says nothing
 _MOST_DIGITS = 12  # a number has hardly more
+_DIGITS = 8  # of a value that is known so exactly
 _PLACES, _SMALL, _LARGEST = 5, 1e-3, 1e6  # decimals and magnitudes that need no power of ten
 
 
@@ -225,6 +226,8 @@ def _plus_minus(value: float, half: float) -> str:
         if place + exponent <= _PLACES and not _SMALL <= larger < _LARGEST:
             both = " ± ".join(fixed(x / 10.0**exponent, place + exponent) for x in (value, half))
             return f"({both})·10{superscript(exponent)}"
+        if 0 < abs(value) < _LARGEST and place + _decade(abs(value)) < _DIGITS:
+            return f"{fixed(value, place)} ± {number(half, 2)}"
     return f"{number(value, 5)} ± {number(half, 2)}"
 
 

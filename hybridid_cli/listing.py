@@ -155,7 +155,8 @@ def _records(settings: Settings) -> list[RenderableType]:
         where = (
             ", ".join(map(str, source.files)) if isinstance(source, Measured) else f"rig {source.rig.name}"
         )
-        kind = "measured" if isinstance(source, Measured) else "simulated"
+        computed = not isinstance(source, Measured) or source.plan.simulated
+        kind = "simulated" if computed else "measured"
         lines.append(Text(f"  record   {source.name} ({source.role}): {kind}, {where}"))
     return [*lines, *(Text(f"  note     {remark}", style="yellow") for remark in sources.remarks)]
 

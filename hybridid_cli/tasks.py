@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +49,7 @@ def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
     make_importable(folders)
     plain = plain_config(cfg)
     if plain.get("model") is not None:
-        plain = _taken_up(plain)
+        plain = with_typed_parameters(_taken_up(plain), plain, hydra.overrides.task)
     words = () if in_sweep else tuple(hydra.overrides.task)
     return Settings(case, plain, folders, in_sweep, words)
 
@@ -63,6 +64,30 @@ def _taken_up(config: dict[str, Any]) -> dict[str, Any]:
         if not trusted_when_asked(asking):
             raise
     return taken_up(config)
+
+
+def with_typed_parameters(
+    taken_up: dict[str, Any], composed: Mapping[str, Any], words: Sequence[str]
+) -> dict[str, Any]:
+    """The config ``taken_up`` from a model file, with the parameters that the ``words`` of the command give,
+    as they were ``composed``.
+
+    Raises:
+        ConfigError: if the words give a plant, channels or effects: those are the file's.
+    """
+    from pipelines.shared.fitted import MAKES_A_MODEL
+
+    parameters = copy.deepcopy(taken_up["parameters"] or {})
+    for word in (one for one in words if not one.startswith("~")):
+        root, *path = word.lstrip("+").partition("=")[0].split(".")
+        if root in MAKES_A_MODEL and root != "parameters":
+            raise ConfigError(f"model={taken_up['model']} brings its own {root}: leave out {word}, or model=")
+        if root == "parameters" and path:
+            value, place = composed["parameters"], parameters
+            for key in path[:-1]:
+                value, place = value[key], place.setdefault(key, {})
+            place[path[-1]] = value[path[-1]]
+    return {**taken_up, "parameters": parameters}
 
 
 class Unfinished(BaseException):

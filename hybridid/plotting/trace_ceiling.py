@@ -27,7 +27,7 @@ class LearnedCurve:
     """Effort (m,) in ``unit`` learned over ``over`` (velocity, position, load; ``at`` (m,) in ``over_unit``),
     or flow by the ``kind`` of the port, beside ``model``, the ``samples`` (m,) that saw it, and the share of
     held-out RMSE that it takes away. ``ended_early``: the fit promised little and was not carried to its
-    end."""
+    end. With a ``factor`` (velocity, drive) the curve is what multiplies it."""
 
     model: str
     over: str
@@ -39,6 +39,7 @@ class LearnedCurve:
     gain: float
     ended_early: bool = False
     kind: PortKind = "effort"
+    factor: str = ""
 
     @property
     def taken(self) -> str:
@@ -61,17 +62,20 @@ def ceiling_plot(
     """
     if not curves:
         raise PlotError(f"ceiling at {port}: no curve to draw; give at least one")
-    kind, variables = curves[0].kind, list(dict.fromkeys(curve.over for curve in curves))
+    kind, factor = curves[0].kind, curves[0].factor
+    variables = list(dict.fromkeys(curve.over for curve in curves))
     models = list(dict.fromkeys(curve.model for curve in curves))
     columns = min(COLUMNS, len(variables))
     rows = -(-len(variables) // columns)
     height = 22 + rows * (TITLE * len(models) + PANEL)
+    times = f", times {factor}," if factor else ""
     figure = new_figure(width, height, f"learned {kind} at {port}, {judged}", provenance)
     grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
     panels = grid.ravel()[: len(variables)]
     for unused in grid.ravel()[len(variables) :]:
         unused.remove()
-    effort = scale_for(f"learned {kind}", curves[0].unit, *(curve.effort for curve in curves))
+    learned = f"learned {kind} over {factor}" if factor else f"learned {kind}"
+    effort = scale_for(learned, curves[0].unit, *(curve.effort for curve in curves))
     lines: dict[str, Line2D] = {}
     for axes, over in zip(panels, variables, strict=True):
         shown = [curve for curve in curves if curve.over == over]
@@ -83,8 +87,8 @@ def ceiling_plot(
     legend_on_top(figure, [lines[model] for model in models])
     found = "; ".join(f"over {c.over} beside the {c.model} {c.share_taken(1)}" for c in curves)
     caption = (
-        f"{kind.capitalize()} at {port} ({provenance}) learned as a free curve of one variable, fitted in "
-        f"simulation beside everything else, and how much of the error it takes away, {judged}: {found}. "
+        f"{kind.capitalize()} at {port} ({provenance}) learned as a free curve of one variable{times} fitted "
+        f"in simulation beside everything else, and how much of the error it takes away, {judged}: {found}. "
         "No effect of that variable alone can do more, up to the curve's resolution: a pitch much finer than "
         "the curve does not show. Dots are as large as the record dwells there long: between them little "
         "holds the curve."

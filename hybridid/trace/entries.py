@@ -245,13 +245,15 @@ class StepTaken:
 
 @dataclass(frozen=True)
 class LearnedGain:
-    """The held-out gain of a learned effort in ``unit`` at ``port``, over a variable in ``over_unit``.
+    """The held-out gain of a learned effort at ``port``, over a variable in ``over_unit``. Divided by its
+    factor, the effort is in ``unit``.
 
     ``p_value`` is adjusted for all that were fitted beside the same model. At a port of the ``kind`` flow, a
     flow was learned.
 
     ``failure`` says why it could not be solved; its gain is then no evidence. ``ended_early``: its fit
-    promised little and ended early, so that the gain is a little less than it could be.
+    promised little and ended early, so that the gain is a little less than it could be. Not ``fitted``: a
+    first-order estimate, or the time limit, left it out, and its gain of 0 is no evidence either.
     """
 
     port: str
@@ -263,6 +265,7 @@ class LearnedGain:
     failure: str = ""
     ended_early: bool = False
     kind: PortKind = "effort"
+    fitted: bool = True
 
 
 @dataclass(frozen=True)

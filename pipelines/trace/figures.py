@@ -76,16 +76,19 @@ def _missing(found: Trace) -> Named:
 
 
 def _ceilings(found: Trace) -> Named:
-    """The learned effort over one variable beside each model, a figure for each port."""
+    """The learned effort over one variable beside each model, a figure for each port; and one for each factor
+    with which a learned effort takes a share worth having."""
     curves = [
-        (one.port, _curve(model.name, one))
+        (one.port, one.over.factor, _curve(model.name, one))
         for model, of_model in zip(found.shown.models, found.shown.ceilings, strict=True)
         for one in of_model
-        if not one.over.factor and one.curve
+        if one.curve
     ]
-    for port in dict.fromkeys(port for port, _ in curves):
-        own = [curve for at, curve in curves if at == port]
-        yield f"{port}.ceiling", partial(ceiling_plot, port, own, found.judged, found.provenance)
+    for port, factor in dict.fromkeys((port, factor) for port, factor, _ in curves):
+        own = [curve for *place, curve in curves if place == [port, factor]]
+        times = f".times_{factor}".replace(" ", "_") if factor else ""
+        if not factor or max(curve.gain for curve in own) >= found.rules.worth:
+            yield f"{port}{times}.ceiling", partial(ceiling_plot, port, own, found.judged, found.provenance)
 
 
 def _laws(found: Trace) -> Named:
@@ -114,5 +117,14 @@ def _curve(model: str, one: Ceiling) -> LearnedCurve:
     at, effort, samples = np.array(one.curve, dtype=float).T
     units = one.unit, one.over_unit
     return LearnedCurve(
-        model, str(one.over), at, effort, samples, *units, one.gain, one.refit.ended_early, one.kind
+        model,
+        one.over.name,
+        at,
+        effort,
+        samples,
+        *units,
+        one.gain,
+        one.refit.ended_early,
+        one.kind,
+        one.over.factor,
     )

@@ -316,10 +316,13 @@ def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
 
 
 def _taken(one: LearnedGain) -> str:
-    """The reduction of the error by a learned effort; zero for one that learned only noise."""
+    """The reduction of the error by a learned effort; none by one that learned only noise."""
     if one.failure:
         return f"not solved: {one.failure}"
-    return share(max(one.gain, 0.0)) + (" (ended early)" if one.ended_early else "")
+    if not one.fitted:
+        return "not fitted"
+    taken = share(one.gain) if one.gain > 0 else "none"
+    return taken + (" (ended early)" if one.ended_early else "")
 
 
 def _use(traced: TraceFile) -> Section | None:

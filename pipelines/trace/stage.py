@@ -65,7 +65,7 @@ LONG = (
     "5 minutes so far. Interrupted (Ctrl-C), the same command goes on where it was; with "
     "trace.time_limit=SECONDS it ends after so long, and says what was found by then"
 )
-INTERRUPTED = "with trace.time_limit=60 it says in a minute or two what was found so far"
+INTERRUPTED = "with trace.time_limit=60 it doubts what was found so far and says it (some minutes)"
 """What is said of the same command when a trace is interrupted."""
 FEWEST_FOR_PACE = 10
 """Results that tell how fast a stage is."""

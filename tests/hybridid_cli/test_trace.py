@@ -106,6 +106,16 @@ def test_the_augmented_model_is_taken_up_as_any_other(traced, say, tree, quick, 
     assert all(row["r2"] > 0.9999 for row in rows if row["view"] == "horizon"), rows
 
 
+def test_parameters_typed_beside_a_model_count_and_effects_do_not_fit(traced, say, tree, quick, tmp_path):
+    model, out = f"model={tree / 'trace/model.json'}", tmp_path / "narrow"
+    said = say("preprocess", *quick, model, "parameters.carriage.epsilon.guess=1e-4", f"out={out}")
+    assert said.code == 0, said.err
+    assert "guess: 0.0001" in (out / "config.yaml").read_text()
+    refused = say("preprocess", *quick, model, "effects=[viscous]", f"out={tmp_path / 'other'}")
+    assert refused.code != 0
+    assert "brings its own effects: leave out effects=[viscous], or model=" in refused.err
+
+
 def test_a_notebook_gets_what_the_command_writes_even_if_it_goes_on(traced, tree):
     """After a time limit that left something out, and an interruption, the same records, model and start give
     the same numbers; only the seconds differ."""

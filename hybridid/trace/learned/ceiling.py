@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.declarations import PortKind
+from hybridid.declarations import Port, PortKind
 from hybridid.effects.over import MEMORIES, Over
 from hybridid.model import Model
 from hybridid.simulation.stability import TooStiff
@@ -46,8 +46,9 @@ class Ceiling:
     """Held-out ``gain`` of a learned effort (or flow) at ``port`` over ``over``, with its p-value.
 
     ``p_value`` is adjusted for all that were fitted beside the same model (Holm), ``p_alone`` is not.
-    ``curve`` (s, effort, samples) is the learned effort in ``unit`` over s in ``over_unit``, plus the change
-    of the model's own terms in the refit: alone, bumps and viscous friction could trade any amount.
+    ``curve`` (s, effort, samples) is the learned effort in ``unit``, divided by its factor, over s in
+    ``over_unit``, plus the change of the model's own terms in the refit: alone, bumps and viscous friction
+    could trade any amount.
     ``refit`` is the model with it. If it could not be solved, ``failure`` says why. There is then no curve,
     and neither the gain of zero nor ``refit``, the model without it, claims anything.
 
@@ -147,7 +148,12 @@ def ceilings_at(
 def _not_fitted(base: Refit, port: str, over: Over) -> Ceiling:
     """Of a learned effort that promises little beside ``base``."""
     where, ended = base.model.plant.port(port), replace(base, ended_early=True)
-    return Ceiling(port, over, 0.0, 1.0, (), where.effort_unit, over.dimension.unit(where), ended)
+    return Ceiling(port, over, 0.0, 1.0, (), *_units(where, over), ended)
+
+
+def _units(where: Port, over: Over) -> tuple[str, str]:
+    """Of what the factor multiplies, and of the variable."""
+    return over.amplitude.unit(where), over.dimension.unit(where)
 
 
 def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEAST_DECREASE) -> Ceiling:
@@ -159,11 +165,11 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
     path = Path.of(base, split, (*split.fitted, *split.held_out))
     fitted = Path.of(base, split, split.fitted)
     model, starts = with_learned_effort(base, fitted, port, over)
-    over_unit = over.dimension.unit(where)
+    units = _units(where, over)
     solved = _solved(model, split, starts, base, least)
     found = solved.refit
     if found is None:
-        return Ceiling(port, over, 0.0, 1.0, (), where.effort_unit, over_unit, base, failure=solved.failure)
+        return Ceiling(port, over, 0.0, 1.0, (), *units, base, failure=solved.failure)
     evidence = compare(base.score, found.score)
     shown = (
         replace(path, states=np.column_stack([path.states, path.seen(port, over)]))
@@ -171,7 +177,7 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
         else path
     )
     net = shown.effort(model, found.values, port) - path.effort(base.model, base.values, port)
-    curve = _binned(path.seen(port, over), net)
+    curve = _binned(path.seen(port, over), net, path.factor(port, over))
     inside = _inside(base, split, port, over, fitted.seen(port, over))
     return Ceiling(
         port,
@@ -179,8 +185,7 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
         evidence.gain,
         evidence.p_value,
         curve,
-        where.effort_unit,
-        over_unit,
+        *units,
         found,
         beyond=not inside.all(),
         within=_taken_within(base, found, inside),
@@ -244,15 +249,16 @@ def _taken_within(base: Refit, found: Refit, inside: NDArray[np.bool_]) -> float
     return 1.0 - after / before if before > 0 else 0.0
 
 
-def _binned(s: Array, effort: Array) -> tuple[tuple[float, float, int], ...]:
-    """Means of ``effort`` in bins of ``s`` that hold samples enough, as (s, effort, samples)."""
+def _binned(s: Array, effort: Array, factor: Array) -> tuple[tuple[float, float, int], ...]:
+    """What ``effort`` is over ``factor``, by least squares in bins of ``s`` that hold samples enough, as (s,
+    effort, samples)."""
     edges = np.linspace(s.min(), s.max(), BINS + 1)
     bins = np.clip(np.digitize(s, edges) - 1, 0, BINS - 1)
     members = [bins == k for k in range(BINS)]
     return tuple(
-        (float(s[m].mean()), float(effort[m].mean()), int(m.sum()))
+        (float(s[m].mean()), float(effort[m] @ factor[m] / (factor[m] @ factor[m])), int(m.sum()))
         for m in members
-        if m.sum() >= LEAST_IN_BIN
+        if m.sum() >= LEAST_IN_BIN and factor[m].any()
     )
 
 

@@ -194,9 +194,10 @@ def structure_in_words(found: Trace) -> str:
 
 def mostly_unshown(found: Trace) -> str:
     """That most of what is left far above the noise is a function of none of the variables that learned
-    efforts look at; empty where one takes most of it, or none was tried."""
+    efforts look at; empty where one takes most of it, or not all were tried."""
     solved = [one for one in found.ceilings.after if not one.failure]
-    if not solved or found.times <= found.rules.far:
+    untried = any(not one.fitted for one in solved)
+    if not solved or untried or found.times <= found.rules.far:
         return ""
     most = max(solved, key=attrgetter("gain"))
     if most.gain > 0 and 1.0 - (1.0 - most.gain) ** 2 >= found.rules.majority:

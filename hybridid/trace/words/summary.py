@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from hybridid.declarations import Parameter
@@ -17,7 +17,6 @@ from hybridid.trace.entries import (
     EstimatedValue,
     Floor,
     LearnedGain,
-    Level,
     ReplacedEffect,
     StepTaken,
     TriedEffect,
@@ -33,11 +32,12 @@ from hybridid.trace.results.idle import either_of, idle_terms
 from hybridid.trace.results.result import Estimates, Evidence, LearnedGains, Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.search.revision import Replacement
-from hybridid.trace.search.steps import Accepted, Search, Step
+from hybridid.trace.search.steps import Accepted, Search
 from hybridid.trace.trials.pair import PairTrial
 from hybridid.trace.trials.robustness import Survival
 from hybridid.trace.trials.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial
 from hybridid.trace.verdict import Conclusion
+from hybridid.trace.words.levels import level, path_of
 from hybridid.trace.words.refused_words import why_passed_over
 
 ROUNDING = 1e-9
@@ -161,34 +161,6 @@ def steps_taken(search: Search) -> tuple[StepTaken, ...]:
     )
 
 
-def path_of(search: Search) -> tuple[Level, ...]:
-    """The error over horizons from the declared model to the last, at each change."""
-    return (level("declared model", search.first), *_changes(search))
-
-
-def _changes(search: Search) -> Iterator[Level]:
-    following = [*(step.base for step in search.steps[1:]), search.final]
-    for step, after in zip(search.steps, following, strict=False):  # no step where the floor is met at once
-        if step.accepted is not None:
-            yield level(_change(step), after)
-
-
-def _change(step: Step) -> str:
-    added = " ".join(f"+ {one.name}" for one in step.taken)
-    return ", ".join([added, *(f"− {name}" for name in step.dropped)])
-
-
-def level(label: str, base: Refit) -> Level:
-    """Held-out and fitted RMSE over horizons by output."""
-    names = [y.name for y in base.model.outputs]
-    return Level(
-        label,
-        dict(zip(names, base.score.rmse.tolist(), strict=True)),
-        dict(zip(names, base.fitted_rmse.tolist(), strict=True)),
-        base.score.loss,
-    )
-
-
 def estimated_values(estimate: Estimate) -> dict[str, EstimatedValue]:
     """Estimates by name with their 95 % intervals, within their bounds."""
     return {
@@ -208,9 +180,19 @@ def estimated_values(estimate: Estimate) -> dict[str, EstimatedValue]:
 def learned_gains(found: Sequence[Ceiling]) -> tuple[LearnedGain, ...]:
     """The ceilings without their curves and refits."""
     return tuple(
-        LearnedGain(c.port, str(c.over), c.gain, c.p_value, *units, c.failure, c.refit.ended_early, c.kind)
+        LearnedGain(
+            port=c.port,
+            over=str(c.over),
+            gain=c.gain,
+            p_value=c.p_value,
+            unit=c.unit,
+            over_unit=c.over_unit,
+            failure=c.failure,
+            ended_early=c.refit.ended_early,
+            kind=c.kind,
+            fitted=c.fitted,
+        )
         for c in found
-        for units in [(c.unit, c.over_unit)]
     )
 
 

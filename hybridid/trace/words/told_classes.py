@@ -76,10 +76,9 @@ def _moved(one: Accepted, traced: Trace) -> str:
     }
     known = [p for p in traced.estimate.parameters if p.identifiable and math.isfinite(p.std) and p.std > 0]
     far = {p.name: max((abs(v - p.value) / p.std for v in every[p.name]), default=0.0) for p in known}
-    most = sorted((p for p in known if far[p.name] > Z95), key=lambda p: -far[p.name])[:FEW]
-    told = [
-        f"{p.name} is between {quantity(min(p.value, *every[p.name]), p.unit, DIGITS)} and "
-        f"{quantity(max(p.value, *every[p.name]), p.unit, DIGITS)}"
-        for p in most
-    ]
-    return listed(told) if told else ""
+    most = sorted((p for p in known if far[p.name] > Z95), key=lambda p: -far[p.name])
+    ranges = {
+        p.name: [quantity(end([p.value, *every[p.name]]), p.unit, DIGITS) for end in (min, max)] for p in most
+    }
+    told = [f"{name} is between {low} and {high}" for name, (low, high) in ranges.items() if low != high]
+    return listed(told[:FEW]) if told else ""

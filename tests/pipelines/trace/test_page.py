@@ -181,7 +181,14 @@ def test_what_is_left(stored, section, gain, p_value, remains, said):
 def test_a_learned_effort_that_only_learned_noise_takes_nothing(section):
     (table,) = section("What is left").tables
     assert column(table, "gray box") == ["50.0 %"]
-    assert column(table, "gray box + effects") == ["0.0 %"]
+    assert column(table, "gray box + effects") == ["none"]
+
+
+def test_a_learned_effort_that_was_not_fitted_has_no_number(stored, section):
+    found = stored().found
+    after = tuple(replace(one, gain=0.0, ended_early=True, fitted=False) for one in found.ceilings.after)
+    (table,) = section("What is left", ceilings=replace(found.ceilings, after=after)).tables
+    assert column(table, "gray box + effects") == ["not fitted"]
 
 
 def test_a_learned_effort_that_ended_early_says_so(stored, section):

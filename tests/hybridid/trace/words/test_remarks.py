@@ -104,6 +104,13 @@ def test_what_most_learned_efforts_miss_may_be_a_disturbance(nothing, gain, time
     assert looks.endswith("may look like structure.") is bool(said)
 
 
+def test_where_a_time_limit_left_learned_efforts_out_none_is_the_strongest(nothing):
+    one = LearnedGain("cart", "position", 0.08, 1e-8, "N", "m")
+    left_out = replace(one, over="position, times velocity", gain=0.0, ended_early=True, fitted=False)
+    found = replace(nothing(), ceilings=LearnedGains((), (one, left_out)), times=15.0)
+    assert mostly_unshown(found) == ""
+
+
 def test_a_rival_whose_parameters_the_records_do_not_tell_is_told(nothing):
     """One that explains as much as what was accepted, and not one that explains less."""
     why = "f_c = 0.7 ± 8.2 N: not determined by these records"
