@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import attrgetter
 
 from hybridid.effects.composed import FORMS
 from hybridid.naming import counted, listed
+from hybridid.quantities import share
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.results.result import Trace
 from hybridid.trace.search.steps import WITHDRAWN
@@ -35,6 +37,20 @@ def _law(entry: AcceptedEffect) -> str:
     more = len(others) - MANY
     told = [*others[:MANY], counted(more, "other")] if more > 0 else others
     return f"{text}; these records cannot tell it from {listed(told)}"
+
+
+def nearest_law(found: Trace) -> str:
+    """Which refused law takes most of the error, and with which numbers; empty if none takes most of its
+    square. It is no proposal: its form is not that of what is missing, but shows where that acts."""
+    laws = [one for one in (*found.rejected, *found.refused_laws) if one.is_law and one.parameters]
+    most = max(laws, key=attrgetter("gain"), default=None)
+    if most is None or 1.0 - (1.0 - most.gain) ** 2 < found.rules.majority:
+        return ""
+    known = ", ".join(parameters_in_words(most.parameters))
+    return (
+        f" Of the formulas tried {most.name} comes nearest: it takes {share(most.gain)} ({known}), and is no "
+        f"proposal, as its form is not shown (hybridid effects {most.effect} prints it)."
+    )
 
 
 def in_place_of(found: Trace) -> str:

@@ -10,7 +10,7 @@ from hybridid.trace.results.result import Trace
 from hybridid.trace.search.steps import AT_FLOOR_TOGETHER
 from hybridid.trace.trials.trial import PASSED, UNTRIED
 from hybridid.trace.words.cut_words import best_tried, cut_short, cut_step, passed_in
-from hybridid.trace.words.law_words import in_place_of, passed_before, proposed
+from hybridid.trace.words.law_words import in_place_of, nearest_law, passed_before, proposed
 from hybridid.trace.words.recording_words import by_recording_in_words, comes_first, disagreement_in_words
 from hybridid.trace.words.refused_words import more_than_possible, most_refused
 from hybridid.trace.words.remarks import (
@@ -62,8 +62,8 @@ def _concluded(found: Trace) -> str:
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
         withdrawn = f" {found.withdrawn}." if found.withdrawn else ""
-        refused = most_refused(found)
-        told = f"{place}.{withdrawn}{refused} {error_left(found)}{mostly_unshown(found)}"
+        refused, nearest = most_refused(found), nearest_law(found)
+        told = f"{place}.{withdrawn}{refused}{nearest} {error_left(found)}{mostly_unshown(found)}"
         return f"Something is missing that {_unnamed(found, unshown=bool(refused))}{told}"
     named = [one for one in found.accepted if one.shown]
     them = "them" if len(named) > 1 else "it"
