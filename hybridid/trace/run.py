@@ -187,9 +187,9 @@ def _evidence(
     found: Conclusion, models: Sequence[FittedModel], validation: Validation, context: Context
 ) -> Evidence:
     """All that a report shows of ``found``: the models before and after, and what learned efforts, networks
-    and missing efforts say beside them."""
+    and missing efforts say beside them. Whether a model is complete is no question after a time limit."""
     ceilings = ceilings_of_each(found, context)
-    networks = with_networks(models, ceilings, validation, context)
+    networks = [] if found.out_of_time else with_networks(models, ceilings, validation, context)
     missing, failures = missing_efforts(models, context.split.records, context)
     return Evidence(context.split, found, tuple(models), ceilings, tuple(networks), missing, failures)
 

@@ -30,7 +30,7 @@ from hybridid.trace.refits.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.search.recheck import recheck
 from hybridid.trace.search.search import continued
-from hybridid.trace.search.steps import AT_FLOOR_TOGETHER, Search
+from hybridid.trace.search.steps import AT_FLOOR_TOGETHER, OUT_OF_TIME, Search
 from hybridid.trace.trials.robustness import surviving
 
 MOST_TOLD = 3
@@ -140,7 +140,7 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     a learned effort could take what they err by. None where it meets the noise in more steps a sample than a
     trial is given: what it leaves is white, and each learned effort would take minutes to find nothing in it.
     None where the time limit ended the first step: there is no name to be doubted. Beside a last model at the
-    noise those that promise something, and after a time limit that accepted nothing the most promising ones.
+    noise those that promise something, and the most promising ones after a time limit that leaves no name.
     """
     if found.cut_within_a_step and not found.accepted:
         return ()
@@ -156,7 +156,7 @@ def _to_promise(model: Refit, found: Search, context: Context) -> float | None:
     any. At the noise it is half of what it would have to take: to find something, an RMSE that is lower by
     ``worth``, which is a square that is lower by twice that; or to accuse an accepted effect, its share of
     what both take (``Rules.stands_in``)."""
-    if not found.accepted and context.out_of_time:
+    if context.out_of_time and (not found.accepted or _open_by_the_limit(found, context)):
         return math.inf
     if not found.at_noise or model is not found.final:
         return None
@@ -164,6 +164,12 @@ def _to_promise(model: Refit, found: Search, context: Context) -> float | None:
     least = min((one.trial.taken for one in found.accepted), default=math.inf)
     accuses = least * rules.stands_in / (1.0 - rules.stands_in)
     return min(2.0 * rules.worth, accuses / left if left > 0 else math.inf) / 2.0
+
+
+def _open_by_the_limit(found: Search, context: Context) -> bool:
+    """Whether the time limit cut the search far from the noise: the verdict is open, whatever a doubt says of
+    what was accepted."""
+    return found.stopped == OUT_OF_TIME and _error_left(found.final, context)[1] > context.rules.far
 
 
 def _error_left(final: Refit, context: Context) -> tuple[Accuracy, float]:

@@ -7,13 +7,14 @@ parameters.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hybridid.trace.context import Context
 from hybridid.trace.doubts.settled import Ceilings
 from hybridid.trace.learned.ceiling import Ceiling, ceilings_at, strongest
-from hybridid.trace.learned.promising_efforts import most_promising
+from hybridid.trace.learned.promising_efforts import most_promising, promising
 from hybridid.trace.results.before_after import FittedModel, ScoreRow, Validation, scored
 from hybridid.trace.rules import Rules
 from hybridid.trace.verdict import Conclusion
@@ -50,13 +51,14 @@ class Completeness:
 
 def ceilings_of_each(found: Conclusion, context: Context) -> tuple[Ceilings, ...]:
     """The learned efforts beside the declared model and, if anything was accepted, beside the last one. If
-    the former served no decision, only the most promising ones are fitted."""
+    the former served no decision, only the most promising ones are fitted, after a time limit three."""
     if not found.accepted:
         return (found.ceilings,)
     if found.ceilings_before:
         return found.ceilings_before, found.ceilings
     first, every = found.search.first, [(one.port, one.over) for one in found.ceilings]
-    chosen = most_promising(every, first, context)
+    late = found.out_of_time
+    chosen = promising(every, first, context, math.inf) if late else most_promising(every, first, context)
     stage = "learned effort beside the declared model"
     return ceilings_at(every, chosen, first, context, stage), found.ceilings
 

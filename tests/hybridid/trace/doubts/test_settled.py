@@ -14,7 +14,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.doubts import settled
 from hybridid.trace.doubts.settled import Settled
 from hybridid.trace.rules import Rules
-from hybridid.trace.search.steps import AT_FLOOR, NONE_PASSES
+from hybridid.trace.search.steps import AT_FLOOR, NONE_PASSES, OUT_OF_TIME
 from hybridid.trace.verdict import _verdict, conclude
 
 DF_V = 80.0
@@ -86,9 +86,17 @@ def test_few_learned_efforts_are_fitted_where_no_name_is_to_be_doubted(below, co
     last = below.search.final
     doubted = replace(named, stopped=NONE_PASSES)
     assert settled._to_promise(last, doubted, late) is None, "a name is doubted as always"
+    assert settled._to_promise(last, replace(named, stopped=OUT_OF_TIME), late) is None, "near the noise too"
     assert settled._to_promise(last, far, context) is None
     assert settled._to_promise(last, far, late) == np.inf
     assert settled._to_promise(last, at_noise, context) == context.rules.worth
+
+
+def test_few_learned_efforts_are_fitted_where_a_limit_leaves_the_verdict_open(below, context, monkeypatch):
+    """It cut the search far from the noise, so no doubt changes what is said."""
+    late, cut = replace(context, until=0.0), replace(below.search, stopped=OUT_OF_TIME)
+    monkeypatch.setattr(settled, "_error_left", lambda *_: (None, 2 * context.rules.far))
+    assert settled._to_promise(cut.final, cut, late) == np.inf
 
 
 def test_a_name_at_the_noise_is_doubted_by_efforts_that_could_accuse_it(below, context):
