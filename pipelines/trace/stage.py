@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -67,8 +68,8 @@ LONG = (
 )
 INTERRUPTED = "with trace.time_limit=60 it doubts what was found so far and says it (some minutes)"
 """What is said of the same command when a trace is interrupted."""
-FEWEST_FOR_PACE = 10
-"""Results that tell how fast a stage is."""
+FOR_PACE = 10
+"""Results, the last ones, that tell how fast a stage is."""
 
 
 def run(job: Job) -> None:
@@ -180,28 +181,31 @@ class _Report:
 
     def __init__(self, job: Job, limited: bool = False) -> None:
         self._watcher = job.watcher
-        self._first = self._began = time.monotonic()
+        self._first = time.monotonic()
+        self._ends: deque[float] = deque(maxlen=FOR_PACE + 1)
         self._patient = not limited
 
     def __call__(self, stage: str, done: int, of: int, what: str) -> None:
-        if not done:
-            self._began = time.monotonic()
-        last = f", last {what}" if what else ""
         now = time.monotonic()
+        if not done:
+            self._ends.clear()
+        self._ends.append(now)
+        last = f", last {what}" if what else ""
         if self._patient and now - self._first >= PATIENCE:
             self._patient = False
             self.say(LONG)
-        left = _time_left(stage, now - self._began, done, of)
+        left = _time_left(stage, now - self._ends[0], len(self._ends) - 1, of - done)
         self._watcher.progress(stage, f"{done} of {of} done{last}{left}", done / of)
 
     def say(self, line: str) -> None:
         self._watcher.say(f"trace: {line}")
 
 
-def _time_left(stage: str, elapsed: float, done: int, of: int) -> str:
-    """How long a stage still takes at its pace so far, where that is a minute or more. The effects of a step
-    begin with the quick ones, so it will be longer; pairs with the slow ones."""
-    minutes = round(elapsed / done * (of - done) / 60) if done >= FEWEST_FOR_PACE else 0
+def _time_left(stage: str, elapsed: float, ended: int, left: int) -> str:
+    """How long a stage still takes at the pace of its last results, of which so many ``ended`` in the time
+    ``elapsed`` [s], where that is a minute or more. The effects of a step begin with the quick ones, so it
+    will be longer; pairs with the slow ones."""
+    minutes = round(elapsed / ended * left / 60) if ended >= FOR_PACE else 0
     slower = ", more as the slow ones come last" if stage.startswith("step ") else ""
     return f", about {minutes} min left at this pace{slower}" if minutes else ""
 

@@ -62,32 +62,34 @@ def test_an_unstable_model_is_the_reason_for_a_shorter_horizon():
 
 
 @pytest.mark.parametrize(
-    ("elapsed", "done", "of", "said"),
+    ("elapsed", "ended", "left", "said"),
     [
-        (60.0, 10, 30, ", about 2 min left at this pace"),
-        (10.0, 10, 30, ""),  # seconds need not be told
-        (60.0, 9, 30, ""),  # too few tell how fast it is
-        (60.0, 30, 30, ""),
+        (60.0, 10, 20, ", about 2 min left at this pace"),
+        (10.0, 10, 20, ""),  # seconds need not be told
+        (60.0, 9, 20, ""),  # too few tell how fast it is
+        (60.0, 10, 0, ""),
         (0.0, 0, 30, ""),
     ],
 )
-def test_what_takes_minutes_says_how_long(elapsed, done, of, said):
-    assert _time_left("pairs", elapsed, done, of) == said
+def test_what_takes_minutes_says_how_long(elapsed, ended, left, said):
+    assert _time_left("pairs", elapsed, ended, left) == said
 
 
-def test_progress_names_what_is_done_last(monkeypatch):
+def test_progress_names_what_is_done_last_and_its_pace_is_that_of_the_last_ten(monkeypatch):
+    """Ten quick results, then ten that take 30 s each: five more will take as long."""
     told: list[str] = []
     watcher = SimpleNamespace(progress=lambda stage, state, share: told.append(f"{stage}: {state}"))
-    clock = iter((0.0, 5.0, 5.0, 299.0))
+    clock = iter((0.0, *(0.1 * k for k in range(11)), *(1.0 + 30.0 * k for k in range(1, 11))))
     monkeypatch.setattr("pipelines.trace.stage.time.monotonic", lambda: next(clock))
-    report = _Report(SimpleNamespace(watcher=watcher))
-    report("step 1", 0, 20, "")
-    report("step 1", 10, 20, "carriage.dahl")
-    assert told == [
-        "step 1: 0 of 20 done",
-        "step 1: 10 of 20 done, last carriage.dahl, about 5 min left at this pace, more as the slow "
-        "ones come last",
-    ]
+    report = _Report(SimpleNamespace(watcher=watcher), limited=True)
+    for done in range(21):
+        report("step 1", done, 25, "carriage.dahl" if done else "")
+    assert told[0] == "step 1: 0 of 25 done"
+    assert told[10] == "step 1: 10 of 25 done, last carriage.dahl"
+    assert told[20] == (
+        "step 1: 20 of 25 done, last carriage.dahl, about 2 min left at this pace, more as the slow ones "
+        "come last"
+    )
 
 
 @pytest.mark.parametrize("limited", [False, True])
