@@ -93,7 +93,7 @@ def _advice_of_the_fit(tree: Path, found: Trace) -> list[RenderableType]:
 def _accepted(found: Trace) -> RenderableType:
     columns = (
         "effect", "port", "estimate ± 95 %", "refitted to the held-out records", "gain", "adjusted p",
-        "cannot be told from", "survives",
+        "cannot be told from", "other numerics",
     )  # fmt: skip
     made = table(f"Accepted ({found.provenance})", columns, words=(0, 1, 2, 3, 6))
     for entry in found.accepted:
@@ -107,8 +107,8 @@ def _accepted(found: Trace) -> RenderableType:
             share(entry.gain),
             probability(entry.p_value),
             ", ".join(entry.others) or NONE,
-            f"{sum(survived)} of {len(survived)} variations"
-            + (f"; the records refute {counted(refuted, 'other')}" if refuted else ""),
+            f"{sum(survived)} of {len(survived)} agree"
+            + (f"; {counted(refuted, 'other')} cannot fit the records" if refuted else ""),
         )
     return made
 

@@ -116,7 +116,7 @@ def test_files_that_are_no_measurement_are_marked_simulated(say, mylab):
     assert "measured" not in said.out
     scores = json.loads(Path("tree/validate/metrics.json").read_text())
     assert {row["provenance"] for row in scores} == {"simulated"}
-    listed = say("cases", "mine", "--config-dir", "mylab", "signals.simulated=true").out
+    listed = say("cases", "mine", "--config-dir", "mylab", "+signals.simulated=true").out
     assert "(identification): simulated, " in listed
 
 
