@@ -85,7 +85,9 @@ def with_typed_parameters(
         if root == "parameters" and path:
             value, place = composed["parameters"], parameters
             for key in path[:-1]:
-                value, place = value[key], place.setdefault(key, {})
+                if not isinstance(place.get(key), dict):
+                    place[key] = {}
+                value, place = value[key], place[key]
             place[path[-1]] = value[path[-1]]
     return {**taken_up, "parameters": parameters}
 
