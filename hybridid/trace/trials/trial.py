@@ -153,9 +153,10 @@ def _attempt(
         starts = [{**starts[k], **known} for k in (range(len(starts)) if chosen is None else chosen)]
         found = refit_beside(base, model, split, starts, numerics, to_beat, least)
         found = _begun_anew(found, base, split) if found.converged else found
-        found = _unless_better_where_sought(found, candidate, places, base, split, least)
-        found = _unless_better_from_shorter(found, candidate, base, split, least)
-        found = _unless_better_from_guesses(found, candidate, base, split, least)
+        if chosen is None:  # else the trial of the other starts has looked there, and was solved
+            found = _unless_better_where_sought(found, candidate, places, base, split, least)
+            found = _unless_better_from_shorter(found, candidate, base, split, least)
+            found = _unless_better_from_guesses(found, candidate, base, split, least)
         if _promises(found, base, least):
             found = settled_or_switched_on(found, candidate, split)
             found = _with_form_fitted(found, candidate, split)
