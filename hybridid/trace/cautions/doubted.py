@@ -12,7 +12,7 @@ from collections.abc import Sequence, Set
 
 import numpy as np
 
-from hybridid.effects.composed import form_over, is_composed
+from hybridid.effects.composed import ComposedLaw, form_over, is_composed
 from hybridid.effects.over import MEMORIES, Over
 from hybridid.model import Model
 from hybridid.naming import listed
@@ -30,6 +30,8 @@ from hybridid.trace.verdict import Conclusion
 CONSTANT = 0.1
 """Share of its mean square below which the variance of an effort is that of a constant: no function of a
 variable."""
+LITTLE = 0.1
+"""Share of a law's mean square from which on its odd or even part is a part of a curve."""
 REVISE = "trace.revise=true"
 """Word of a command with which others are sought in the place of each declared effect."""
 
@@ -83,9 +85,10 @@ def in_doubt(found: Conclusion, instead: Set[str], context: Context) -> bool:
     """Whether a name is in doubt: it is one of those ``instead`` of which something else explains as much,
     the records refute its form, or it stands for a part of a sum (``one_curve``, and
     ``hybridid.trace.doubts.hystereses``). Proposed laws are in doubt if something else explains as much as
-    each."""
+    each, or if a name beside one is a part of its curve."""
     if found.verdict == "law_proposed":
-        return {one.name for one in found.accepted if is_composed(one.trial.candidate.effect)} <= instead
+        laws = {one.name for one in found.accepted if is_composed(one.trial.candidate.effect)}
+        return laws <= instead or bool(one_curve(found, context))
     a_sum = several_hystereses(found.accepted) or one_impedance(found.accepted) or one_curve(found, context)
     return found.verdict == "effect_found" and bool(instead or a_sum or refuted_form(found, context))
 
@@ -136,20 +139,22 @@ def one_curve(found: Conclusion, context: Context) -> str:
 
     Effects at one port that are functions of one variable, all odd or all even, add up to one such function,
     and that is what the records show. If one of them bends (a parameter beside its amplitude says where), the
-    sum has the freedom of a series, and meets many a law that no library holds.
+    sum has the freedom of a series, and meets many a law that no library holds. So has a name with a composed
+    law over its variable, whose shape was chosen among many.
     """
     places: dict[tuple[str, Over | None], list[Accepted]] = {}
     for one in found.accepted:
-        candidate = one.trial.candidate
-        if not (seeks(candidate) or is_composed(candidate.effect)):
-            places.setdefault((candidate.port, form_over(candidate.effect)), []).append(one)
+        if not seeks(one.trial.candidate):
+            places.setdefault((one.trial.candidate.port, _over(one)), []).append(one)
     for (port, over), them in places.items():
         if over is None or over.variable in MEMORIES or len(them) < 2:
             continue
         path = Path.of(found.search.final, context.split, context.split.fitted)
-        odd = [one for one in them if _is_odd(path, one.name, port, over)]
-        for parts in (odd, [one for one in them if one not in odd]):
-            if len(parts) > 1 and any(one.trial.free_parameters > 1 for one in parts):
+        shares = [_odd_share(path, one.name, port, over) for one in them]
+        for shared in (shares, [1.0 - share for share in shares]):
+            parts = [one for one, share in zip(them, shared, strict=True) if share > _least(one)]
+            bends = any(_is_law(one) or one.trial.free_parameters > 1 for one in parts)
+            if len(parts) > 1 and bends and not all(map(_is_law, parts)):
                 return (
                     f" Beware: {listed([one.name for one in parts])} are functions of one variable. The "
                     "records show their sum; another law of that variable may have the same curve."
@@ -157,12 +162,30 @@ def one_curve(found: Conclusion, context: Context) -> str:
     return ""
 
 
-def _is_odd(path: Path, name: str, port: str, over: Over) -> bool:
-    """Whether the effort of the term ``name`` is rather an odd function of its variable than an even one."""
+def _is_law(one: Accepted) -> bool:
+    return is_composed(one.trial.candidate.effect)
+
+
+def _over(one: Accepted) -> Over | None:
+    """The variable and the factor of an accepted effect; None if it has no single one."""
+    law = one.trial.candidate.effect.law
+    if not isinstance(law, ComposedLaw):
+        return form_over(one.trial.candidate.effect)
+    return law.over if law.level is None else None
+
+
+def _least(one: Accepted) -> float:
+    """Of its odd or even part, the share that counts: most of a name; little of a law, which may be both."""
+    return LITTLE if _is_law(one) else 0.5
+
+
+def _odd_share(path: Path, name: str, port: str, over: Over) -> float:
+    """How much of the effort of the term ``name`` is an odd function of its variable; the rest is even."""
     seen = path.seen(port, over)
     curve = binned(seen, path.effort_of(name, port), path.factor(port, over))
     here, there = curve.over(seen), curve.over(-seen)
-    return bool(np.sum((here - there) ** 2) > np.sum((here + there) ** 2))
+    odd, even = float(np.sum((here - there) ** 2)), float(np.sum((here + there) ** 2))
+    return odd / (odd + even) if odd + even > 0 else 0.0
 
 
 def _remaining(found: Conclusion) -> list[Ceiling]:

@@ -170,6 +170,11 @@ def test_a_name_or_a_law_is_in_doubt_where_something_else_explains_as_much(
         (("stribeck", "asymmetric_viscous"), False),  # odd and even: the records tell them apart
         (("quadratic_drag", "viscous"), False),  # neither bends
         (("stribeck", "position_damping"), False),  # another variable
+        (("position_damping", "cube_of_position_times_velocity"), True),  # a law beside a name
+        (("position_damping", "exponential_rise_of_position_times_velocity"), True),  # odd and even in one
+        (("quadratic_drag", "modulus_of_velocity"), False),  # odd and even again
+        (("position_damping", "modulus_of_velocity"), False),
+        (("proportional_of_position", "exponential_rise_of_position"), False),  # laws are no names
         (("stribeck", "detent"), False),
         (("stribeck",), False),
     ],
