@@ -280,6 +280,7 @@ def _amplitude(name: str, dimension: Dimension, given: Mapping[str, Bounded], ha
 
 _MEANINGS: Mapping[Role, str] = {
     "place": "where the shape lies",
+    "pole": "where the shape has no end",
     "width": "how wide the shape is",
     "period": "period",
     "share": "by which share the level rises",
@@ -309,7 +310,7 @@ def _further(
         x,
         _MEANINGS[role],
         given,
-        unbounded=role == "place",
+        unbounded=role in ("place", "pole"),
         sought=_SOUGHT.get(role, "") if fine else "",
     )
 

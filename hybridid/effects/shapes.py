@@ -8,8 +8,10 @@ Roller Bearing Engineering (powers: 3/2 of the depth of a contact, 2/3 of the sp
 Crossley (1975), J. Applied Mechanics 42(2) (damping that grows with a power of the depth); Wouterse
 (1991), IEE Proc. B 138(4) (eddy-current brake); Isermann (2005), Mechatronic Systems, ch. 6 (limits,
 backlash, saturation); Fung (1993), Biomechanics, ch. 7 (a stiffness that grows with the force); Tustin
-(1947), J. IEE 94(2A), 143-151 (friction that falls with exp(-|v|/s));
-Khurmi, Gupta (2005), A Textbook of Machine Design, ch. 24 (centrifugal clutch: square beyond a gap).
+(1947), J. IEE 94(2A), 143-151 (friction that falls with exp(-|v|/s)); Khurmi, Gupta (2005), A Textbook of
+Machine Design, ch. 24 (centrifugal clutch: square beyond a gap); Woodson, Melcher (1968), Electromechanical
+Dynamics, part I (a magnet's pull, inverse to the square of its gap); Hamrock, Schmid, Jacobson (2004),
+Fundamentals of Fluid Film Lubrication (a squeeze film, inverse to the cube of its thickness).
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ from hybridid.effects.smooth import magnitude
 from hybridid.effects.variable import Variable
 
 Array = NDArray[np.float64]
-Role = Literal["place", "width", "period", "share", "exponent", "reference"]
+Role = Literal["place", "pole", "width", "period", "share", "exponent", "reference"]
 SMOOTH = 1e-3
 """Of its reference: within so much of zero a power is rounded where its port declares no width."""
 
@@ -66,9 +68,9 @@ class Shape:
 
     ``equation`` holds ``{x}`` where the variable stands. An amplitude has the unit of the effort, or of what
     the factor multiplies, over that of x to the ``power``; a shape parameter has the unit of x, but for a
-    ``share`` and an ``exponent``, which have none. A ``reference`` is no free parameter: it is the x at which
-    the shape is one, and keeps the unit of an amplitude from an exponent. ``suits`` names the variables over
-    which textbooks use the shape.
+    ``share`` and an ``exponent``, which have none. A ``pole`` is a place that x does not reach. A
+    ``reference`` is no free parameter: it is the x at which the shape is one, and keeps the unit of an
+    amplitude from an exponent. ``suits`` names the variables over which textbooks use the shape.
     """
 
     name: str
@@ -165,6 +167,10 @@ SHAPES = (
     Shape(
         "power_below", "k max((c - {x})/s, 0)^n", 0, {"c": "place", "n": "exponent", "s": "reference"},
         lambda at, p: p.k * _power_beyond((p.c - at.x) / p.s, p.n), PLACES,
+    ),
+    Shape(
+        "inverse_power", "k (s/|{x} - c|)^n", 0, {"c": "pole", "n": "exponent", "s": "reference"},
+        lambda at, p: p.k * (((at.x - p.c) / p.s) ** 2 + SMOOTH**2) ** (-p.n / 2), PLACES,
     ),
     Shape(
         "beyond_gap", "k ({x} - clip({x}, -s, s))", 1, {"s": "width"},

@@ -33,10 +33,13 @@ WIDTHS = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 """Of the variable's range: widths with which it may start."""
 POWERS = (0.5, 0.7, 1.5, 2.0, 3.0, 5.0)
 """Exponents with which it may start."""
+BESIDE = (0.05, 0.2, 0.5, 1.5)
+"""Of the range: how far outside of it, on either side, a pole may start."""
 PERIODS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
 """Within the range."""
 NARROWEST, WIDEST = 1e-3, 3.0
-"""Of the range: bounds of a width or a period; a place lies at most one range outside."""
+"""Of the range: bounds of a width or a period, and of how far outside of it a pole lies; a place lies at most
+one range outside."""
 
 
 class _EffortOver(Protocol):
@@ -112,6 +115,9 @@ def _values(role: Role, seen: Array) -> list[float]:
     span = float(np.ptp(seen))
     if role == "place":
         return [float(value) for value in np.quantile(seen, QUANTILES)]
+    if role == "pole":
+        low, high = float(seen.min()), float(seen.max())
+        return [*(high + share * span for share in BESIDE), *(low - share * span for share in BESIDE)]
     if role == "exponent":
         return list(POWERS)
     if role == "reference":
@@ -133,6 +139,11 @@ def bounded(role: Role | None, value: float, seen: Array) -> Bounded:
         return Bounded(value, *EXPONENTS)
     if role == "reference":
         return Bounded(value, value, value)
+    if role == "pole":
+        low, high = float(seen.min()), float(seen.max())
+        if value > high:
+            return Bounded(value, high + NARROWEST * span, high + WIDEST * span)
+        return Bounded(value, low - WIDEST * span, low - NARROWEST * span)
     if role == "place":
         return Bounded(value, float(seen.min()) - span, float(seen.max()) + span)
     return Bounded(value, NARROWEST * span, WIDEST * span)

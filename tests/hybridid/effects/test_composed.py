@@ -88,6 +88,8 @@ def test_a_law_over_an_input_is_one_of_an_effort_unless_told_otherwise():
         ("power_above_of_position", {"k": 2.0, "c": 0.1, "n": 3.0, "s": 0.1}, 16.0),
         ("power_above_of_position", {"k": 2.0, "c": 0.4, "n": 3.0, "s": 0.1}, 0.0),
         ("power_below_of_position_times_velocity", {"k": 2.0, "c": 0.5, "n": 2.0, "s": 0.1}, 1.6),
+        ("inverse_power_of_position", {"k": 2.0, "c": 0.5, "n": 2.0, "s": 0.4}, 8.0),
+        ("inverse_power_of_position_times_velocity", {"k": 2.0, "c": -0.1, "n": 3.0, "s": 0.2}, 0.05),
         ("power_of_position", {"k": 2.0, "n": 3.0, "s": 0.1}, 54.0),
         ("power_of_velocity", {"k": 2.0, "n": 0.5, "s": 0.05}, 4.0),
         ("even_power_of_position", {"k": 2.0, "n": 2.0, "s": 0.1}, 18.0),
