@@ -50,7 +50,7 @@ def effects(name: str, words: Sequence[str]) -> int:
             named(word, "effect")
         try:
             effect = effect_named(word, [_CHANNEL])
-            print(f"{_described(effect)}{_paragraph('tells', effect.pattern)}\n")
+            print(f"{_described(effect)}{_told_apart(effect)}\n")
         except ValueError as error:
             raise ConfigError(str(error)) from error
     return 0
@@ -192,6 +192,16 @@ def _described(effect: Effect) -> str:
     lines += [f"  needs     the input or channel {name}" for name in effect.channels]
     lines += [f"  state     {s.name} [{_unit(effect, s.dimension)}]: {s.meaning}" for s in effect.states]
     return "\n".join([*lines, _paragraph("source", effect.source)])
+
+
+def _told_apart(effect: Effect) -> str:
+    """How an effect shows, which others it is easily taken for, and the experiment that tells."""
+    said = {
+        "tells": effect.pattern,
+        "alike": ", ".join(effect.look_alikes),
+        "apart by": effect.separating_experiment,
+    }
+    return "".join(_paragraph(label, text) for label, text in said.items() if text)
 
 
 def _paragraph(label: str, text: str) -> str:

@@ -66,6 +66,7 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
             f"{found.seconds:.0f} s on {counted(said.processes, 'process', 'es')}; {found.stopped}"
         ),
         Text(f"report: {(folder or tree / 'trace') / 'report.html'}"),
+        *(Text(f"law:    {file}") for file in sorted((folder or tree / "trace").glob("proposed_law*.py"))),
     ]
     if found.accepted or found.narrowed or found.own_values:
         parts.append(Text(f"go on:  {said.commands[0]}"))

@@ -105,3 +105,11 @@ def test_a_folder_that_is_not_named_is_not_the_one_where_one_stands(say, command
     assert said.code == 2
     assert said.err == "hybridid: --config-dir wants a folder after it\n"
     assert user_folders(["--config-dir"]) == []
+
+
+def test_one_effect_says_what_it_is_taken_for_and_the_experiment_that_tells(say):
+    said = say("effects", "quadratic_drag").out
+    for label in ("tells", "alike", "apart by"):
+        assert f"\n  {label}" in said
+    assert "viscous, coulomb, stribeck" in said
+    assert "constant-velocity runs" in said

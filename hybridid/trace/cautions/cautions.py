@@ -40,6 +40,7 @@ from hybridid.trace.cautions.horizon_advice import (
 from hybridid.trace.cautions.memory_begins import memory_begins_empty
 from hybridid.trace.cautions.one_way import judged_the_other_way
 from hybridid.trace.cautions.sampling import outputs_late, recorded_late, within_half_a_sample
+from hybridid.trace.cautions.shared_constant import shares_a_constant
 from hybridid.trace.cautions.smeared import smoothing_may_be_all
 from hybridid.trace.context import Context
 from hybridid.trace.doubts.hystereses import one_impedance, several_hystereses, spread_relaxation
@@ -104,6 +105,7 @@ def cautions(
         told += [_grows(found, context.rules)]
     if traced.accepted:
         told += [other_law_possible(found, context), simpler_possible(found, context)]
+        told += [shares_a_constant(found, context)]
         told += [_no_longer_shown(found.search, context)]
         told += [not_told_from_zero(found.accepted, traced), _confounded(records)]
         told += [spread_relaxation(found.model)]
