@@ -14,7 +14,7 @@ from hybridid.plotting.lettering import cut
 from hybridid.plotting.looks import BLUE, DATA_GREY, GREEN, INK, SOFT_INK
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
-from hybridid.quantities import change
+from hybridid.quantities import change, quantity
 
 ROW = 7.5  # mm
 THICK = 0.62  # of a row
@@ -54,11 +54,11 @@ def waterfall_plot(
     )
     axes = figure.subplots()
     top = max(level.rmse for level in levels) * scale.factor
-    _bar(axes, 0, 0.0, levels[0].rmse, scale, DATA_GREY, scale.text(levels[0].rmse))
+    _bar(axes, 0, levels[0].rmse, scale, DATA_GREY, quantity(levels[0].rmse, unit))
     for row, (before, after) in enumerate(pairwise(levels), 1):
-        _fall(axes, row, before.rmse, after.rmse, scale)
+        _fall(axes, row, before.rmse, after.rmse, scale, unit)
     last = len(levels)
-    _bar(axes, last, 0.0, floor, scale, GREEN, f"{scale_for('', unit, np.array([floor])).text(floor)}")
+    _bar(axes, last, floor, scale, GREEN, quantity(floor, unit))
     axes.set_yticks(
         range(last + 1), [*(cut(level.label, NAME) for level in levels), "noise floor of the sensor"]
     )
@@ -66,27 +66,27 @@ def waterfall_plot(
     axes.set_xlim(0.0, 1.22 * top or 1.0)
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
-    axes.set_xlabel(scale.label)
-    steps = ", then ".join(f"{level.label} {scale.text(level.rmse)}" for level in levels)
-    caption = (
-        f"RMSE of {output} ({provenance}), {judged}: {steps}; noise floor of the sensor {scale.text(floor)}."
-    )
+    axes.set_xlabel(f"{scale.label}; pale: what the effect takes" if len(levels) > 1 else scale.label)
+    steps = ", then ".join(f"{level.label} {quantity(level.rmse, unit)}" for level in levels)
+    noise = f"noise floor of the sensor {quantity(floor, unit)}"
+    caption = f"RMSE of {output} ({provenance}), {judged}: {steps}; {noise}."
     return Plot(figure, f"waterfall_{output}", caption, provenance)
 
 
-def _bar(axes: Axes, row: int, low: float, high: float, scale: Scale, colour: str, text: str) -> None:
-    span = (high - low) * scale.factor
-    axes.barh(row, span, THICK, left=low * scale.factor, color=colour, edgecolor=INK, linewidth=0.4, zorder=2)
-    axes.annotate(
-        text, (high * scale.factor, row), (4, 0), textcoords="offset points", va="center", color=INK
-    )
+def _bar(axes: Axes, row: int, rmse: float, scale: Scale, colour: str, text: str, end: float = 0.0) -> None:
+    """Draw an error, and print ``text`` behind it, or behind what was there before if that has its ``end``
+    farther to the right."""
+    left = rmse * scale.factor
+    axes.barh(row, left, THICK, color=colour, edgecolor=INK, linewidth=0.4, zorder=2)
+    behind = (max(left, end * scale.factor), row)
+    axes.annotate(text, behind, (4, 0), textcoords="offset points", va="center", color=INK)
 
 
-def _fall(axes: Axes, row: int, before: float, after: float, scale: Scale) -> None:
-    """Draw the decrease of the error by a change, and print the error after it."""
-    axes.barh(row, after * scale.factor, THICK, color=DATA_GREY, alpha=0.35, linewidth=0, zorder=1)
-    low, high = sorted((before, after))
-    _bar(axes, row, low, high, scale, BLUE, f"{scale.text(after)}  ({change(before, after, 0)})")
+def _fall(axes: Axes, row: int, before: float, after: float, scale: Scale, unit: str) -> None:
+    """Draw the error after a change, pale what the change took, and print both."""
+    axes.barh(row, before * scale.factor, THICK, color=BLUE, alpha=0.25, linewidth=0, zorder=1)
+    said = f"{quantity(after, unit)}  ({change(before, after, 0)})"
+    _bar(axes, row, after, scale, BLUE, said, before)
     axes.plot(
         [before * scale.factor] * 2,
         [row - 1 + THICK / 2, row - THICK / 2],

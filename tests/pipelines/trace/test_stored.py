@@ -46,10 +46,17 @@ def test_the_terminal_prints_it(tree):
     text = rendered(trace_results(tree))
     for part in (
         "ambiguous: The model lacked a friction.\n- Beware: it may be another one.\n- Free runs",
-        "f_c = 2.000 ± 0.098 N", "1 of 2 variations", "diverges",
+        "f_c = 2.000 ± 0.098 N", "1 of 2 agree", "diverges",
         "simulated", "tried 3 effects in 1 step,", "go on:  hybridid run case=cart", "horizons that judge",
     ):  # fmt: skip
         assert part in text, part
+
+
+def test_the_terminal_names_the_file_of_a_proposed_law(tree):
+    assert "law:" not in rendered(trace_results(tree))
+    file = (tree / TRACE).parent / "proposed_law.py"
+    file.write_text("")
+    assert f"law:    {file}" in rendered(trace_results(tree)).replace("\n", "")
 
 
 def test_the_errors_of_a_model_that_the_trace_left_as_it_was_stand_once(stored, tree):
