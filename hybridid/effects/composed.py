@@ -46,6 +46,8 @@ WIDE = 1e4
 """Times its scale, a shape parameter may be, up or down, where no record bounds it."""
 EXPONENTS = (0.1, 10.0)
 """Bounds of an exponent."""
+OUTSIDE = 2.0
+"""Times the scale of its variable, where a pole lies as long as no record says where."""
 OF, TIMES, BY = "_of_", "_times_", "_by_"
 FORMS: Mapping[str, str] = {
     "proportional_of_velocity": "viscous",
@@ -305,12 +307,14 @@ def _further(
         return EffectParameter(name, ONE, _MEANINGS[role], value, *EXPONENTS, absolute=name in given)
     if role == "share":
         return _with_bounds(name, ONE, _MEANINGS[role], given, unbounded=True)
+    if role == "pole" and name not in given:
+        return EffectParameter(name, x, _MEANINGS[role], OUTSIDE)
     return _with_bounds(
         name,
         x,
         _MEANINGS[role],
         given,
-        unbounded=role in ("place", "pole"),
+        unbounded=role == "place",
         sought=_SOUGHT.get(role, "") if fine else "",
     )
 

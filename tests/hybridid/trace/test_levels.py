@@ -60,7 +60,12 @@ def test_flows_are_learned_over_what_a_level_has(found):
         "inflow": "m³/s",
     }  # fmt: skip
     assert found.ceilings[0].described == "a learned flow at tank over level"
-    assert {(one.kind, one.unit) for one in learned_gains(found.ceilings)} == {("flow", "m³/s")}
+    gains = learned_gains(found.ceilings)
+    assert {one.kind for one in gains} == {"flow"}
+    assert {one.over: one.unit for one in gains} == {
+        "level": "m³/s", "time": "m³/s", "inflow": "m³/s",
+        "level, times net flow": "m²", "level, times drive": "1",
+    }  # fmt: skip
 
 
 def test_a_level_has_no_velocity_load_or_friction_to_learn_over(tank):

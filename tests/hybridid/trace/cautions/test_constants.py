@@ -56,7 +56,7 @@ def test_what_takes_the_place_of_all_is_not_told_of_each():
     assert said.startswith(
         " Beware: in the place of p.a and p.b a constant that is declared as known explains"
     )
-    assert "r = 0.065 ± 2·10⁻⁶ m instead of 0.06" in said
+    assert "r = 0.0650000 ± 2·10⁻⁶ m instead of 0.06" in said
     assert said.count("Beware") == 1
     assert constants_in_words(WrongConstants()) == ""
     better = constants_in_words(WrongConstants((replace(both, more=0.55),)))
