@@ -12,7 +12,6 @@ import numpy as np
 
 from hybridid.effects.composed import ComposedLaw
 from hybridid.effects.over import MEMORIES
-from hybridid.naming import listed
 from hybridid.trace.context import Context
 from hybridid.trace.learned.law_curve import binned
 from hybridid.trace.ports.path import Path
@@ -27,7 +26,7 @@ MEAN = 0.3
 def shares_a_constant(found: Conclusion, context: Context) -> str:
     """Which declared effects are a constant beside a proposed law over another variable, in words; else
     empty."""
-    final, told = found.search.final, []
+    final, told = found.search.final, ""
     for one in found.accepted:
         law, port = one.trial.candidate.effect.law, one.trial.candidate.port
         if not isinstance(law, ComposedLaw) or law.level is not None:
@@ -41,10 +40,9 @@ def shares_a_constant(found: Conclusion, context: Context) -> str:
             continue
         constant = CONSTANTS.get(law.over.factor)
         terms = [t.name for t in final.model.terms if t.port == port and t.effect.id == constant]
-        told += [f"{name} and {one.name}" for name in terms]
-    if not told:
-        return ""
-    return (
-        f" {listed(told)} add up: the parameter of the first is known beside this formula alone, and another "
-        "one that fits as well may leave it another value."
-    )
+        for name in terms:
+            told += (
+                f" {name} and {one.name} add up: the parameter of {name} is known beside this formula alone. "
+                "Another one that fits as well may leave it another value."
+            )
+    return told
