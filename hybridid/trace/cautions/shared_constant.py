@@ -1,6 +1,6 @@
 """Declared parameters that a proposed law shares a constant with.
 
-A law k f(q) v beside a viscous friction f_v v adds up with it: (f_v + k f(q)) v. How much of the mean of that
+A law k f(q) v beside a viscous friction f_v v adds up with it: (f_v + k f(q)) v. How much of that
 is f_v depends on the formula f. Its interval holds beside this formula alone.
 """
 
@@ -19,8 +19,9 @@ from hybridid.trace.verdict import Conclusion
 
 CONSTANTS: Mapping[str, str] = {"velocity": "viscous", "sign of velocity": "coulomb", "": "offset"}
 """Factor of a law -> the effect that is a constant times it."""
-MEAN = 0.3
-"""Of the root mean square of what multiplies the factor, the mean from which on a constant is shared."""
+USUAL = 0.1
+"""Of the root mean square of what multiplies the factor, its median from which on a constant is shared: a law
+that is nothing most of the time leaves the constant alone."""
 
 
 def shares_a_constant(found: Conclusion, context: Context) -> str:
@@ -36,7 +37,7 @@ def shares_a_constant(found: Conclusion, context: Context) -> str:
         path = Path.of(final, context.split, context.split.fitted)
         seen, factor = path.seen(port, law.over), path.factor(port, law.over)
         along = binned(seen, path.effort_of(one.name, port), factor).over(seen)
-        if abs(np.mean(along)) < MEAN * np.sqrt(np.mean(along**2)):
+        if abs(np.median(along)) <= USUAL * np.sqrt(np.mean(along**2)):
             continue
         constant = CONSTANTS.get(law.over.factor)
         terms = [t.name for t in final.model.terms if t.port == port and t.effect.id == constant]

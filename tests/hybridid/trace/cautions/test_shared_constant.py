@@ -20,6 +20,7 @@ from hybridid.trace.refits.refit import refit
         ("exponential_rise_of_position_times_velocity", "carriage.viscous"),
         ("exponential_rise_of_position_times_sign_of_velocity", "carriage.coulomb"),
         ("exponential_rise_of_position_times_acceleration", ""),  # no constant inertia is an effect here
+        ("power_above_of_position_times_velocity", ""),  # nothing below its place
         ("modulus_of_velocity", ""),  # of the velocity itself
         ("quadratic_drag", ""),  # a name
     ],
