@@ -1,7 +1,7 @@
 """Declared parameters that a proposed law shares a constant with.
 
-A law k f(q) v beside a viscous friction f_v v adds up with it: (f_v + k f(q)) v. How much of that
-is f_v depends on the formula f. Its interval holds beside this formula alone.
+A law k f(q) v beside a viscous friction f_v v adds up with it: (f_v + k f(q)) v. How much of that is f_v
+depends on the formula f. Its interval holds beside this formula alone.
 """
 
 from __future__ import annotations

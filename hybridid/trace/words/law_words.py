@@ -41,7 +41,7 @@ def _law(entry: AcceptedEffect) -> str:
 
 def nearest_law(found: Trace) -> str:
     """Which refused law takes most of the error, and with which numbers; empty if none takes most of its
-    square. It is no proposal: its form is not that of what is missing, but shows where that acts."""
+    square. Its form is not that of what is missing, so it is no proposal, but it shows where that acts."""
     laws = [one for one in (*found.rejected, *found.refused_laws) if one.is_law and one.parameters]
     most = max(laws, key=attrgetter("gain"), default=None)
     if most is None or 1.0 - (1.0 - most.gain) ** 2 < found.rules.majority:
